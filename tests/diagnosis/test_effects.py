@@ -10,7 +10,7 @@ from scipy.linalg import polar
 from scipy.spatial.transform import Rotation
 
 import flexmodal
-from flexmodal.diagnosis.effects import Context, catalogue, hinges, link_motion, rod
+from flexmodal.diagnosis.effects import Context, bearing, catalogue, hinges, link_motion, rod
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
@@ -711,7 +711,8 @@ def test_a_sensitivity_may_step_from_one_value_to_another(bench):
     np.testing.assert_allclose(found[here], plain[here] * (1 + 0.7 * over) / (1 + over), rtol=1e-12)
     np.testing.assert_allclose(found[~here], plain[~here], rtol=1e-12)
     tried = narrow.next_level.starts(context, where, values)
-    assert {one["step"] for one in tried} == {0.7, 1.4}
+    assert {one["step"] for one in tried if "step" in one} == {0.7, 1.4}
+    assert {one.get("second_sensitivity", 1.0) for one in tried} == {1.0, 0.7, 0.85, 1.15, 1.4}
     assert {one["gain"] for one in tried} == {1.3, 1.0}
 
 
@@ -1116,13 +1117,15 @@ def test_a_spring_has_as_many_laws_whatever_its_cubic_part(bench, cubic):
     assembly = Mock(spec=Assembly, stretch_of=lambda joint: np.eye(3)[0])
     first, second = effect.law(assembly, Placement.still(context, where, values))
     assert first.kind == KNEE
-    assert first.parameters[1::3] == pytest.approx((1e-3, 4e-4))
+    assert first.parameters[1:5:3] == pytest.approx((1e-3, 4e-4))
     assert second.parameters[0] == pytest.approx(cubic * 5.0**2 * context.robot.joints[where].stiffness)
     assert second.parameters[1] == pytest.approx(5e-3)
 
 
 SQUARE = {"across_1_2": 0.0, "across_1_3": 0.0, "across_2_3": 0.0,
           "second_sensitivity": 1.0, "third_sensitivity": 1.0}  # fmt: skip
+AS_SET = {**SQUARE, "sensitivity": 1.0, "mirrored": 0.0, **{f"angle_{axis}": 0.0 for axis in "xyz"},
+          **{f"lean_{axis}": 0.0 for axis in "xyz"}, "angle": 0.0}  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -1140,7 +1143,8 @@ def test_a_sensor_set_up_anew_leans_alike_in_the_world(standing, skew, mirrored)
     context, _, _ = standing
     effect, where = effect_of("sensor_misalignment" + NEXT), context.sensors[-1]
     values = {"sensitivity": 1.1, "angle_x": 0.2, "angle_y": -0.1, "angle_z": 0.3,
-              "lean_x": -0.6, "lean_y": 0.5, "lean_z": 0.2, "mirrored": mirrored, **skew}  # fmt: skip
+              "lean_x": -0.6, "lean_y": 0.5, "lean_z": 0.2, "mirrored": mirrored, "following": 0.0,
+              **skew}  # fmt: skip
     link, world = ([values[f"{name}_{axis}"] for axis in "xyz"] for name in ("angle", "lean"))
     xy, xz, yz, y, z = skew.values()
     axes = Rotation.random(4, random_state=1)
@@ -1168,7 +1172,7 @@ def test_two_axes_in_a_plane_may_turn_apart(bench):
     values = {
         "angle": np.arctan2(turn[1, 0], turn[0, 0]), "sensitivity": metric[0, 0],
         "second_sensitivity": metric[1, 1] / metric[0, 0], "across_1_2": metric[0, 1] / metric[0, 0],
-        "mirrored": 0.0,
+        "mirrored": 0.0, "following": 0.0,
     }  # fmt: skip
     assembly = Mock(spec=Assembly, axes=lambda link: axes.as_matrix())
     placement = Placement.still(context, where, values)
@@ -1177,6 +1181,42 @@ def test_two_axes_in_a_plane_may_turn_apart(bench):
         np.testing.assert_allclose([found @ first, found @ second], wanted[:, k], atol=1e-12)
     assert effect.starts(context, where)
     assert effect_of("sensor_misalignment").next_level.starts(context, where, {"angle": 0.1})
+
+
+@pytest.mark.parametrize("part", [-0.7, 0.4])
+@pytest.mark.parametrize("arm", ["bench", "spatial"])
+def test_a_sensor_may_follow_its_link_by_a_part_of_its_turn(request, arm, part):
+    """As it does in the rig: none in the first posture, and about the axis of the turn since that."""
+    context, *_ = request.getfixturevalue(arm)
+    effect, where = effect_of("sensor_misalignment" + NEXT), context.sensors[-1]
+    link, way = context.point(where).link, np.array([0.6, 0.0, 0.8])
+    axes = np.array([one.placed[link][:3, :3] for one in context.arms])
+    assembly = Mock(spec=Assembly, axes=lambda link: axes)
+    placement = Placement.still(context, where, {**AS_SET, "following": part})
+    found = effect.turn(assembly, placement, where, way)
+    sensor = Sensor(following=(axes[0], part))
+    expected = [sensor.direction(one, way) for one in axes]
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+    np.testing.assert_allclose(found[0], way, atol=1e-12)
+    assert np.abs(found[1:] - way).max() > 0.01
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_sensor_may_read_too_much_along_one_axis(standing, axis):
+    """As in the rig; the first axis alone is a gain of all and less along the other two."""
+    context, _, _ = standing
+    effect, where = effect_of("sensor_gain" + NEXT), context.sensors[-1]
+    axes, way, size = Rotation.random(3, random_state=2).as_matrix(), np.array([0.6, 0.0, 0.8]), 1.3
+    every = np.ones(3)
+    every[axis] = size
+    sensor = Sensor(turned=np.diag(every))
+    gain, one = (size, 1 / size) if axis == 0 else (1.0, 1.0)
+    values = dict(zip(("second_sensitivity", "third_sensitivity"), every[1:] * one, strict=True))
+    assembly = Mock(spec=Assembly, axes=lambda link: axes)
+    found = gain * effect.turn(assembly, Placement.still(context, where, values), where, way)
+    np.testing.assert_allclose(found, [sensor.direction(each, way) for each in axes], atol=1e-12)
+    placement = Placement.still(context, where, values)
+    np.testing.assert_array_equal(effect.turn(assembly, placement, "another", way), way)
 
 
 @pytest.mark.parametrize(("arm", "stays"), [("bench", 1.0), ("standing", 0.0), ("standing", 2.0)])
@@ -1328,6 +1368,24 @@ def test_two_rows_are_springs_that_meet_off_the_joint(spatial):
     found = ours(context, observed, "bearing_flexibility", "q2", values)
     other = theirs(observed, stand, "bearing_flexibility", "q2", rows, "rows")
     np.testing.assert_allclose(found, other, rtol=1e-6)
+
+
+@pytest.mark.parametrize("joint", ["q1", "q4"])
+def test_a_pinion_pushes_aside_what_a_bearing_carries(spatial, joint):
+    """As in the rig: the spring and damper of the joint feel its turn and the shift over the base radius."""
+    context, observed, stand = spatial
+    wide, radius, angle = effect_of("bearing_flexibility" + NEXT), 0.12, 0.7
+    sides = [way.vector for way in bearing.ways(context, joint) if way.kind == "radial"]
+    line = -np.cos(angle) * sides[1] + np.sin(angle) * sides[0]  # the rig's first side is ours the second
+    mesh = {f"mesh_radial_{k + 1}": float(line @ side) / radius for k, side in enumerate(sides)}
+    values = {**BEARING, **STAYS, **mesh, "mesh_axial_1": 0.0}
+    alike = {"tilt_ratio": 1.0, "tilt_angle": 0.0, "second_loss_ratio": 1.0}
+    found = ours(context, observed, wide, joint, {**values, **alike})
+    other = theirs(observed, stand, "bearing_flexibility", joint,
+                   {**BEARING, "base_radius": radius, "angle": angle}, "pinion")  # fmt: skip
+    np.testing.assert_allclose(found, other, rtol=1e-6)
+    without = ours(context, observed, "bearing_flexibility", joint, {**BEARING, **STAYS})
+    assert np.abs(np.log(np.abs(without / other))).max() > 0.01
 
 
 def test_a_bearing_in_a_plane_shifts_alone(bench):

@@ -320,8 +320,8 @@ def test_what_outgrows_every_number_is_no_model(plain, monkeypatch):
 
 
 def with_bristles(plain, **values):
-    """Friction at its next level, without a second sliding element unless one is given."""
-    values = {"second_torque": 1e-4, "second_stiffness": 1e-3} | values
+    """Friction at its next level, without a second sliding element or growth by load unless given."""
+    values = {"second_torque": 1e-4, "second_stiffness": 1e-3, "growing": 1e-7} | values
     narrow = hypothesis_of(plain, "coulomb_friction@q2")
     placed = Placed(FRICTION.next_level.effect, "q2")
     wide = Hypothesis(narrow.context, narrow.base, (placed,))

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from flexmodal.diagnosis.effects.dry_friction import dahl, levelling
+from flexmodal.diagnosis.effects.dry_friction import dahl, levelling, mean_load
 from flexmodal.diagnosis.effects.nonlinear_stiffness import AS_NARROW, FAR, bent, hardened
 from flexmodal.diagnosis.time_domain.integration import Steps, Struck, integrate, loop_of, torques
 from flexmodal.diagnosis.time_domain.law import (
@@ -63,6 +63,9 @@ def integrated_receptance(one, length, *, fineness=20.0, **more):
 
 # laws
 
+NO_MORE = (0.0, 0.0, 0.0)
+"""Friction neither damps what sticks nor grows with what the joint carries; other laws lack such numbers."""
+
 
 def law(kind, parameters, old, new, memory):
     """Of one blow."""
@@ -72,7 +75,7 @@ def law(kind, parameters, old, new, memory):
 
 def driven(kind, first, second, way, third=1.0):
     """Torques along a prescribed elongation."""
-    return driven_side_by_side(kind, np.array([[first, second, third, 0.0, 1.0, 0.0]]), way)[:, 0]
+    return driven_side_by_side(kind, np.array([[first, second, third, 0.0, 1.0, *NO_MORE]]), way)[:, 0]
 
 
 def driven_side_by_side(kind, parameters, way):
@@ -98,7 +101,7 @@ def test_exponential_and_logarithm_are_right_to_the_last_digits():
 def test_friction_loses_what_the_closed_form_says():
     torque, amplitude, presliding = 0.7, 3e-3, np.array([300.0, 900.0, 9000.0])
     way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))
-    given = np.array([[torque, one, 1.0, 0.0, 1.0, 0.0] for one in presliding])
+    given = np.array([[torque, one, 1.0, 0.0, 1.0, *NO_MORE] for one in presliding])
     held = driven_side_by_side(FRICTION, given, way)[20_000:]  # the fifth loop, closed to e^(−16 A σ/T_c)
     lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:])[:, None], axis=0)
     slack = torque / presliding
@@ -113,7 +116,9 @@ def test_friction_loses_what_the_closed_form_says():
 def test_a_stand_in_loses_what_the_loop_does():
     torque, amplitude = 0.7, 3e-3
     way = -amplitude * np.cos(np.linspace(0, 10 * np.pi, 25_001))
-    given = np.array([[torque, p, i, 0.0, 1.0, 0.0] for p in (300.0, 9000.0) for i in (0.0, 0.5, 0.99, 1.4)])
+    given = np.array(
+        [[torque, p, i, 0.0, 1.0, *NO_MORE] for p in (300.0, 9000.0) for i in (0.0, 0.5, 0.99, 1.4)]
+    )
     held = driven_side_by_side(FRICTION, given, way)[20_000:]
     lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[20_000:])[:, None], axis=0)
     inward = np.sum(held[1:] * way[20_001:, None] + held[:-1] * way[20_000:-1, None], axis=0) / 2
@@ -145,20 +150,20 @@ def test_friction_is_exact_at_any_step_while_the_direction_holds():
 
 @pytest.mark.parametrize(
     ("kind", "parameters"),
-    [(FRICTION, (0.7, 900.0, 1.0, 0.0, 1.0, 0.0)), (FRICTION, (0.7, 300.0, 0.3, 0.0, 1.0, 0.0)),
-     (FRICTION, (0.7, 900.0, 1.5, 0.0, 1.0, 0.0)), (HARDENING, (-300.0, 1e-3, 0.0, 0.0, 0.0, 0.0)),
-     (HARDENING, (500.0, 1e-3, 7e-4, 40.0, 0.0, 0.0)), (KNEE, (500.0, 6e-4, 3e-4, 40.0, 2e-4, 0.0))],
+    [(FRICTION, (0.7, 900.0, 1.0, 0.0, 1.0)), (FRICTION, (0.7, 300.0, 0.3, 0.0, 1.0)),
+     (FRICTION, (0.7, 900.0, 1.5, 0.0, 1.0)), (HARDENING, (-300.0, 1e-3, 0.0, 0.0, 0.0)),
+     (HARDENING, (500.0, 1e-3, 7e-4, 40.0, 0.0)), (KNEE, (500.0, 6e-4, 3e-4, 40.0, 2e-4))],
 )  # fmt: skip
 @pytest.mark.parametrize("new", [-1e-3, 4e-4, 1.2e-3])
 def test_slope_of_a_law_is_its_derivative(kind, parameters, new):
-    step, given = 1e-9, np.array(parameters)
+    step, given = 1e-9, np.array([*parameters, *NO_MORE])
     up, down = (law(kind, given, 5e-4, new + way * step, 0.2)[0] for way in (1, -1))
     # central differences: rounding 1e-16 · 1 N·m / 1e-9 rad beside slopes of 10 and more
     assert law(kind, given, 5e-4, new, 0.2)[1] == pytest.approx((up - down) / (2 * step), rel=1e-5)
 
 
 def test_a_hardening_spring_levels_off():
-    given = np.array([500.0, 1e-3, 0.0, 0.0, 0.0, 0.0])
+    given = np.array([500.0, 1e-3, 0.0, 0.0, 0.0, *NO_MORE])
     assert law(HARDENING, given, 0.0, 1e-5, 0.0)[0] == pytest.approx(500 * 1e-15 / 1e-6, rel=1e-3)
     assert law(HARDENING, given, 0.0, 10.0, 0.0)[0] == pytest.approx(5000.0, rel=1e-7)
 
@@ -236,7 +241,7 @@ def test_the_stand_in_of_a_knee_is_its_first_harmonic(softness):
 @pytest.mark.parametrize("speed", [1e-4, 0.05, 3.0])
 def test_the_stand_in_of_slow_friction_loses_what_it_does(speed):
     phase = np.linspace(0, 2 * np.pi, 20001)[1:]
-    given = np.array([0.7, 0.04, 0.0, 0.0, 0.0, 0.0])
+    given = np.array([0.7, 0.04, 0.0, 0.0, 0.0, *NO_MORE])
     lost = np.mean([law(SLOW, given, 0.0, v, 0.0)[0] * v for v in speed * np.cos(phase)])
     assert levelling(np.array([speed]), 0.7, 0.04)[0] * speed**2 / 2 == pytest.approx(lost, rel=2e-3)
 
@@ -245,9 +250,34 @@ def test_the_stand_in_of_slow_friction_loses_what_it_does(speed):
 def test_friction_falls_with_speed(speed):
     """What a joint that slides at a steady speed is held by."""
     step = 1e-3
-    given = np.array([0.7, 3e6, 1.0, 0.5, 0.2 * step, 0.0])
+    given = np.array([0.7, 3e6, 1.0, 0.5, 0.2 * step, *NO_MORE])
     held = law(FRICTION, given, 0.0, speed * step, 0.0)[0]
     assert held == pytest.approx(0.7 * (1 + 0.5 * np.exp(-((speed / 0.2) ** 2))), rel=1e-9)
+
+
+GROWS, WOUND = 120.0, 4e-4
+
+
+def test_friction_grows_with_what_the_joint_carries():
+    """It slips at F + c |q + u₀|: a spring that follows the limit once it is there, out and back."""
+    way = np.array([0.0, 5e-4, 5e-3, 4.5e-3, 1e-3, -6e-3])
+    given = np.array([[0.7, 900.0, 0.0, 0.0, 1.0, 0.0, GROWS, WOUND]])
+    held = driven_side_by_side(FRICTION, given, way)[:, 0]
+    limit = 0.7 + GROWS * np.abs(way + WOUND)
+    expected = [0.0, 0.45, limit[2], limit[2] - 0.45, -limit[4], -limit[5]]
+    np.testing.assert_allclose(held, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("wound", [0.0, WOUND, -WOUND, 5e-3])
+def test_the_stand_in_of_friction_by_load_loses_what_the_loop_does(wound):
+    """Sliding from −A to A and back it loses 4 F A + 2 c (A² + u₀²), or 4 (F + c |u₀|) A under more load."""
+    torque, amplitude = 0.7, 3e-3
+    way = -amplitude * np.cos(np.linspace(0, 4 * np.pi, 20_001))
+    given = np.array([[torque, 1e6, 0.0, 0.0, 1.0, 0.0, GROWS, wound]])
+    held = driven_side_by_side(FRICTION, given, way)[10_000:, 0]
+    lost = np.sum((held[1:] + held[:-1]) / 2 * np.diff(way[10_000:]))
+    limit = torque + GROWS * mean_load(np.array([amplitude]), wound)[0]
+    assert lost == pytest.approx(4 * limit * amplitude, rel=2e-3)
 
 
 # spectra
@@ -386,7 +416,7 @@ def histories(one, fineness):
 
 def bending(parameters, q):
     """A knee as the difference of two roots that its derivation begins with."""
-    top, at, wound, linear, over, _ = parameters
+    top, at, wound, linear, over, *_ = parameters
 
     def torque(u):
         return u + (np.sqrt((u - at) ** 2 + over**2) - np.sqrt((u + at) ** 2 + over**2)) / 2
@@ -406,9 +436,10 @@ def integrated(laws, end, tolerance=1e-10):
         for one, torque in zip(rubbing, held, strict=True):
             force = force - one.row * torque
             speed = one.row @ v
-            most, stiffness, exponent, stiction, fall, lag = one.parameters
-            share = 1 - np.sign(speed) * torque / (most * (1 + stiction * np.exp(-((speed / fall) ** 2))))
-            if stiction == 0.0:
+            most, stiffness, exponent, stiction, fall, lag, growing, wound = one.parameters
+            most = most * (1 + stiction * np.exp(-((speed / fall) ** 2))) + growing * abs(one.row @ q + wound)
+            share = 1 - np.sign(speed) * torque / most
+            if stiction == growing == 0.0:
                 share = max(share, 0.0)  # rounding
             rates.append(stiffness * speed * np.sign(share) * abs(share) ** exponent)
             force = force - one.row * (lag * rates[-1])
@@ -435,6 +466,7 @@ LAWS = {
     "softening": (hardening(FIRST, -6e3, 2e-3),),
     "friction at rest": (friction(FIRST, 3.0, 3e4, 1.0, 0.4, 0.05),),
     "bristles that damp": (friction(FIRST, 3.0, 3e4, 1.0, 0.0, 1.0, 3e-3),),
+    "friction by load": (friction(FIRST, 1.0, 3e4, growing=900.0, wound=1e-3),),
     "slow friction": (slow_friction(FIRST, 3.0, 0.02),),
     "both kinds of friction": (friction(FIRST, 2.0, 3e4), slow_friction(FIRST, 1.5, 0.3)),
     "two sliders": (friction(FIRST, 2.0, 3e4), slow_friction(FIRST, 1.5, 0.3), friction(FIRST, 4.0, 9e3)),
@@ -456,7 +488,7 @@ def test_march_follows_an_adaptive_integrator(name):
         errors.append(np.abs(last[0] - expected[:4]).max() / np.abs(expected[:4]).max())
         for number, own in enumerate(LAWS[name]):
             if own.kind == FRICTION:
-                if own.parameters[5] > 0.0:
+                if own.parameters[5] > 0.0 or own.parameters[6] > 0.0:
                     continue
                 most = own.parameters[0] * (1 + own.parameters[3])
                 assert np.abs(torque[0, number]).max() <= most * (1 + 1e-9)

@@ -6,13 +6,16 @@ the other. A part of all springs may relax, as a seat of plastic or a film of gr
 alike, each tilts on a multiple of its own stiffness, and nothing relaxes.
 
 At the next level tilts have principal directions of their own, as on two bearings in different housings, and
-each kind of motion its own loss.
+each kind of motion its own loss. And the spring of the joint is stretched by shifts of the bearing besides,
+as where a pinion drives: a mesh gives along its line of action (Kahraman and others, ASME Journal of
+Mechanical Design 114, 1992), so that the drive pushes aside what the bearing carries.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -36,6 +39,9 @@ from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
+
+_MESH = 1 / RADIUS
+"""What a shift adds to the turn that stretches the spring of the joint, about [rad/m]."""
 
 
 def _places(context: Context) -> tuple[str, ...]:
@@ -82,6 +88,7 @@ def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         return _parameters(context, where)
     kinds = {way.kind for way in ways(context, where)}
     found = [positive("second_loss_ratio", "", 1.0, 0.7, 0.02, 50.0)]
+    found += [signed(name, "rad/m", _MESH / 2, -10 * _MESH, 10 * _MESH) for name in _mesh(context, where)]
     if "tilt" in kinds:
         found += [positive(f"{kind}_loss_ratio", "", 1.0, 0.7, 0.02, 50.0) for kind in ("radial", "axial")]
         found += [
@@ -97,7 +104,14 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
         return []
     known = {**values, "second_loss_ratio": 1.0}
     turned = [{"tilt_ratio": ratio, "tilt_angle": angle} for ratio in (0.3, 3.0) for angle in (0.0, 0.8)]
+    along = [way for way in _mesh(context, where) if "radial" in way]
+    turned += [{name: sign * _MESH} for name in along for sign in (1, -1)]
     return [known, {**known, "ratio": 1 / values["ratio"]}, *({**known, **one} for one in turned)]
+
+
+def _mesh(context: Context, where: str) -> dict[str, Way]:
+    """Parameters of the shifts that stretch the spring of the joint."""
+    return {f"mesh_{way.name.replace(' ', '_')}": way for way in ways(context, where) if not way.turns}
 
 
 def _end(joint: str, number: int) -> str:
@@ -152,9 +166,28 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         assembly.add_together("stiffness", along, stiffness)
         assembly.add_together("damping", along, stiffness * np.array([loss for *_, loss in springs]))
         if where != ALL:
+            _drive(assembly, placement)
             ends = np.array([assembly.row(_end(joint, number)) for number in range(len(springs))])
             part, time = placement["relaxing"] * stiffness, placement["relaxation_time"]
             add_all_relaxing(assembly, along, ends, part, time, context.band[1])
+
+
+def _drive(assembly: Assembly, placement: Placement) -> None:
+    """The spring and damper of the joint, as the card has them, along the turn and the shift at the mesh.
+
+    What its stiffness is off is taken up by the parameters of the mesh and those of the shifts.
+    """
+    context, joint = placement.context, placement.where
+    shares = {way: placement.values.get(name, 0.0) for name, way in _mesh(context, joint).items()}
+    if not any(shares.values()):
+        return
+    shift = sum(share * assembly.row(coordinate(joint, way)) for way, share in shares.items())
+    turn, card = assembly.stretch_of(joint), context.robot.joints[joint]
+    stretch = np.asarray(turn + shift)
+    assembly.add_spring(stretch, card.stiffness)
+    assembly.add_spring(turn, -card.stiffness)
+    assembly.add_damper(stretch, card.damping)
+    assembly.add_damper(turn, -card.damping)
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
@@ -174,11 +207,34 @@ def _extend(draft: Draft, placement: Placement) -> None:
             draft.under_joint(joint, motions, offset * axis)
         for name, stiffness, loss in springs:
             draft.flexible(name, stiffness, stiffness * loss)
+        if where != ALL:
+            _driven(draft, placement, motions, offset * axis)
     if placement.values.get("relaxing", 0.0) > HELD:
         draft.notes.append(
             f"the files have the bearing of {where} and lack what relaxes: {placement['relaxing']:.3g} of "
             f"its stiffness within {placement['relaxation_time']:.3g} s"
         )
+
+
+def _driven(
+    draft: Draft, placement: Placement, motions: Sequence[tuple[str, np.ndarray, bool]], off: np.ndarray
+) -> None:
+    """What the mesh adds between the joint and the motions of its bearing, and among these."""
+    context, joint = placement.context, placement.where
+    mesh = sum(
+        (placement.values.get(name, 0.0) * way.vector for name, way in _mesh(context, joint).items()),
+        np.zeros(3),
+    )
+    stiffness = float(context.robot.joints[joint].stiffness)
+    shares = {name: float(mesh @ (np.cross(off, way) if turns else way)) for name, way, turns in motions}
+    felt = {name: share for name, share in shares.items() if share}
+    for name, share in felt.items():
+        draft.couple(joint, name, stiffness * share)
+        draft.stiffen(name, stiffness * share**2)
+    for (one, share), (other, more) in combinations(felt.items(), 2):
+        draft.couple(one, other, stiffness * share * more)
+    if felt:
+        draft.notes.append(f"the files have the mesh beside the bearing of {joint} without its damping")
 
 
 WIDE = Effect(

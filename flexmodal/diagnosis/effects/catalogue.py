@@ -13,6 +13,7 @@ from flexmodal.diagnosis.effects import (
     link_flexibility,
     local_absorber,
     nonlinear_stiffness,
+    sensor_alignment,
     sensor_delay,
     sensor_mass,
     sensors,
@@ -37,7 +38,7 @@ OWN = (
     sensor_mass.EFFECT,
     sensors.SENSOR_GAIN,
     sensor_delay.EFFECT,
-    sensors.SENSOR_MISALIGNMENT,
+    sensor_alignment.SENSOR_MISALIGNMENT,
 )
 GROUP = "flexmodal.effects"
 

@@ -3,7 +3,8 @@
 At the next level what sticks damps as it bends: bristles with a stiffness and a damping (LuGre, Canudas de
 Wit, Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995). And there is a second sliding
 element beside the first, of other limit and stiffness: the smallest of Iwan's models of sliders that slip one
-after the other (Journal of Applied Mechanics 33, 1966).
+after the other (Journal of Applied Mechanics 33, 1966). What it slips at may grow with what the joint
+carries, as that of a gear does.
 """
 
 from __future__ import annotations
@@ -89,6 +90,8 @@ _SLOW = ("slow_torque", "slow_speed")
 _LAG = "bristle_time"
 _SECOND = ("second_torque", "second_stiffness")
 """Of the second sliding element, over those of the first."""
+_CARRIED = ("growing", "wound")
+"""Friction over the torque of the joint's spring, and how far a load at rest winds that up."""
 _SPEED = 0.7
 """Of the largest speed of a swing, where friction takes most of its energy."""
 
@@ -96,7 +99,9 @@ _SPEED = 0.7
 def _rub(assembly: Assembly, placement: Placement) -> None:
     amplitude, omega = swing_of(placement)
     torque, bristles, exponent, stiction, speed = (placement[name] for name in _FRICTION)
+    growing, wound = _carried(placement)
     limit = torque * (1 + stiction * np.exp(-((_SPEED * amplitude * omega / speed) ** 2)))
+    limit = limit + growing * mean_load(amplitude, wound)
     stiffness, loss = dahl(amplitude, limit, bristles, exponent)
     turned = omega * placement.values.get(_LAG, 0.0)
     stiffness, loss = stiffness - turned * loss, loss + turned * stiffness
@@ -107,6 +112,24 @@ def _rub(assembly: Assembly, placement: Placement) -> None:
     assembly.add_spring(row, stiffness)
     assembly.add_damper(row, loss / omega)
     assembly.add_damper(row, levelling(amplitude * omega, *(placement[name] for name in _SLOW)))
+
+
+def _carried(placement: Placement) -> tuple[float, float]:
+    """By how much the limit grows with the elongation [N·m/rad], and how far it is wound up at rest [rad]."""
+    context, where = placement.context, placement.where
+    growing, wound = (placement.values.get(name, 0.0) for name in _CARRIED)
+    return growing * float(context.robot.joints[where].stiffness), wound * typical(context, where)[0]
+
+
+def mean_load(amplitude: Float[np.ndarray, "*many"], wound: float) -> Float[np.ndarray, "*many"]:
+    """Of |q + u₀| over the way from −A to A, so that what is lost in a turn is right.
+
+    Args:
+        amplitude: A [rad].
+        wound: u₀ [rad].
+    """
+    within = np.maximum(np.maximum(amplitude, abs(wound)), 1e-300)  # else it is |u₀| all the way
+    return np.asarray(np.where(amplitude > abs(wound), (within**2 + wound**2) / (2 * within), abs(wound)))
 
 
 def levelling(speed: Float[np.ndarray, "*many"], torque: float, slow: float) -> Float[np.ndarray, "*many"]:
@@ -125,7 +148,8 @@ def levelling(speed: Float[np.ndarray, "*many"], torque: float, slow: float) -> 
 def _rubbing(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
     row = assembly.stretch_of(placement.where)
     torque, bristles, exponent, stiction, speed = (placement[name] for name in _FRICTION)
-    hysteretic = friction(row, torque, bristles, exponent, stiction, speed, placement.values.get(_LAG, 0.0))
+    lag = placement.values.get(_LAG, 0.0)
+    hysteretic = friction(row, torque, bristles, exponent, stiction, speed, lag, *_carried(placement))
     slow = slow_friction(row, *(placement[name] for name in _SLOW))
     if _SECOND[0] not in placement.values:
         return hysteretic, slow
@@ -169,6 +193,8 @@ def _bristle_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive(_LAG, "s", centre, 2.0, 1e-3 * low, high),
         positive(_SECOND[0], "of the first", 0.1, 2.0, 1e-4, 100.0),
         positive(_SECOND[1], "of the first", 0.3, 1.5, 1e-3, 100.0),
+        positive(_CARRIED[0], "of the torque carried", 1e-3, 2.5, 1e-7, 1.0),
+        signed(_CARRIED[1], "of the swing", 1.0, -30.0, 30.0),
     )
 
 
@@ -183,7 +209,10 @@ def _bristle_starts(context: Context, where: str, values: Mapping[str, float]) -
     ]
     second = [(0.1, 1.0), (0.3, 0.3), (1.0, 0.3), (3.0, 0.5), (10.0, 1.0)]
     held = {**loose, _LAG: 1e-3 * slow}
-    return [*found, *({**held, **dict(zip(_SECOND, each, strict=True))} for each in second)]
+    found += [{**held, **dict(zip(_SECOND, each, strict=True))} for each in second]
+    light = {**held, **none, "torque": 0.3 * values["torque"]}
+    loads = [(share, wound) for share in (0.03, 0.2) for wound in (0.0, 1.0, -1.0)]
+    return [*found, *({**light, **dict(zip(_CARRIED, each, strict=True))} for each in loads)]
 
 
 BRISTLES = Effect(
@@ -197,7 +226,7 @@ BRISTLES = Effect(
     variants=("blow",),
     untestable=one_level,
     physical=lambda context, where, values: {
-        name: values[name] for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND) if name in values
+        name: values[name] for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND, *_CARRIED) if name in values
     },
     sticks=True,
 )

@@ -88,7 +88,7 @@ def _spring(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
 def _stiffen(assembly: Assembly, placement: Placement) -> None:
     swing = swing_of(placement)[0]
     for law in _spring(assembly, placement):
-        top, bend, wound, at_rest, over, _ = law.parameters
+        top, bend, wound, at_rest, over, *_ = law.parameters
         if law.kind == KNEE:
             seen = bent(swing / bend, over / bend, wound / bend)
         else:

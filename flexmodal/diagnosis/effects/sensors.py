@@ -1,11 +1,10 @@
-"""What sensors do to a measurement: they read too much, look askew."""
+"""A sensor that reads too much or too little, alike in all directions; at its next level by each axis."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
-from itertools import product
+from itertools import combinations
 
 import numpy as np
 from jaxtyping import Float
@@ -103,9 +102,51 @@ def _gain_starts(context: Context, where: str) -> list[Mapping[str, float]]:
     ]
 
 
+SIZES = ("second_sensitivity", "third_sensitivity")
+"""Sensitivities along the second and the third axis of a sensor, over that along the first."""
+UNLIKE = (0.7, 0.85, 1.15, 1.4)
+"""Of one of them, from which fits start."""
+
+
+def sizes(context: Context) -> list[Parameter]:
+    """Sensitivities along the axes but the first: in a plane there is one other.
+
+    Args:
+        context: of the diagnosis.
+    """
+    names = SIZES[:1] if context.normal is not None else SIZES
+    return [positive(name, "", 1.0, 0.1, 0.3, 3.0) for name in names]
+
+
+def axes_of(assembly: Assembly, context: Context, link: str) -> Float[np.ndarray, "*posture 3 3"]:
+    """Axes of a sensor on a link, in the world: those of the link; in a plane along it, beside it and out.
+
+    Args:
+        assembly: with all coordinates.
+        context: of the diagnosis.
+        link: its name.
+    """
+    frame = assembly.axes(link)
+    if context.normal is None:
+        return frame
+    out = frame @ along(context, link)[1]
+    normal = np.broadcast_to(context.normal, out.shape)
+    return np.stack([out, np.cross(normal, out), normal], axis=-1)
+
+
+def _by_axis(assembly: Assembly, placement: Placement, point: str, way: np.ndarray) -> np.ndarray:
+    """What is read along a direction, from three axes that are not alike."""
+    if point != placement.where:
+        return way
+    frame = axes_of(assembly, placement.context, placement.context.point(point).link)
+    size = np.array([1.0, *(placement.values.get(name, 1.0) for name in SIZES)])
+    return np.asarray(np.einsum("...ij,j,...kj,...k->...i", frame, size, frame, way))
+
+
 def _step_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     low, high = context.band
     return (
+        *sizes(context),
         *_gain_parameters(context, where),
         positive(STEP, "", 1.0, 0.4, 0.05, 20.0),
         positive(STEP_AT, "Hz", float(np.sqrt(low * high)), 1.0, low / 3, 3 * high),
@@ -116,7 +157,14 @@ def _step_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     places = np.geomspace(2 * context.band[0], context.band[1], 4).tolist()
     alone = {"gain": float(np.copysign(1.0, values["gain"])), "exponent": 0.0}
     steps = [{STEP: size, STEP_AT: place} for size in STEPS for place in places]
-    return [{**one, **step} for one in (values, alone) for step in steps]
+    names = [one.name for one in sizes(context)]
+    by_axis = [
+        {**values, **dict.fromkeys(some, size)}
+        for count in (1, len(names))
+        for some in combinations(names, count)
+        for size in UNLIKE
+    ]
+    return [*by_axis, *({**one, **step} for one in (values, alone) for step in steps)]
 
 
 STEPPED_GAIN = Effect(
@@ -126,160 +174,8 @@ STEPPED_GAIN = Effect(
     parameters=_step_parameters,
     starts=_gain_starts,
     read=_gain,
+    turn=_by_axis,
 )
-SENSOR_GAIN = replace(STEPPED_GAIN, parameters=_gain_parameters, next_level=Level(STEPPED_GAIN, _step_starts))
-
-
-def turned(
-    vector: Float[np.ndarray, "*#many 3"], way: Float[np.ndarray, "*#many 3"]
-) -> Float[np.ndarray, "*many 3"]:
-    """Directions turned by rotation vectors [rad], by Rodrigues' formula.
-
-    Args:
-        vector: along the axis of each turn, as long as its angle [rad].
-        way: directions that are turned, in the same axes.
-    """
-    angle = np.linalg.norm(vector, axis=-1, keepdims=True)
-    k = vector / np.maximum(angle, 1e-300)
-    along = np.sum(k * way, axis=-1, keepdims=True)
-    return np.asarray(
-        way * np.cos(angle) + np.cross(k, way) * np.sin(angle) + k * along * (1 - np.cos(angle))
-    )
-
-
-def _tilt(context: Context, where: str) -> tuple[Parameter, ...]:
-    """Angles, what it reads over what it should besides, and how far it sits off its point."""
-    more = (
-        positive("sensitivity", "", 1.0, 0.1, 0.3, 3.0),
-        signed("off", "m", 0.015, -0.3, 0.3),
-        signed("off_along", "m", 0.015, -0.3, 0.3),
-    )
-    if context.normal is not None:
-        return (signed("angle", "rad", 0.3, -1.4, 1.4), *more)
-    angles = (signed(f"angle_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz")
-    return (*angles, *more, signed("off_beside", "m", 0.015, -0.3, 0.3))
-
-
-def _turn(assembly: Assembly, placement: Placement, point: str, way: np.ndarray) -> np.ndarray:
-    """Fixed to its link, so that it turns with the posture."""
-    if point != placement.where:
-        return way
-    context, size = placement.context, placement["sensitivity"]
-    if context.normal is not None:
-        return size * turned(placement["angle"] * context.normal, way)
-    axes = assembly.axes(context.point(point).link)
-    return size * turned(axes @ np.array([placement[f"angle_{axis}"] for axis in "xyz"]), way)
-
-
-def _aside(placement: Placement, point: str) -> np.ndarray:
-    if point != placement.where:
-        return np.zeros(3)
-    context, at = placement.context, placement.context.point(placement.where)
-    _, axis = along(context, at.link)
-    off = mounted(context, at.id, placement.values) - np.array(at.xyz)
-    return off + placement["off_along"] * axis
-
-
-def _tilt_starts(context: Context, where: str) -> list[Mapping[str, float]]:
-    """Channels change their sign with large turns, which a fit does not step over."""
-    if context.normal is not None:
-        return [{"angle": sign * angle} for angle in (0.1, 0.4, 0.9) for sign in (1, -1)]
-    ways = [np.array(way) for way in product((-1, 0, 1), repeat=3) if np.count_nonzero(way) in (1, 3)]
-    turns = [angle * way / np.linalg.norm(way) for angle in (0.2, 0.6, 1.0) for way in ways]
-    return [dict(zip(("angle_x", "angle_y", "angle_z"), turn.tolist(), strict=True)) for turn in turns]
-
-
-_ACROSS = ("across_1_2", "across_1_3", "across_2_3")
-"""Transverse sensitivities: along one axis of the link for a motion along another one, either way round."""
-_SIZES = ("second_sensitivity", "third_sensitivity")
-"""Sensitivities along the second and the third axis, over that along the first."""
-MIRRORED = "mirrored"
-"""From 0, nothing, to 1: the first axis the other way round, as with a turn two exchanged channels are."""
-ANY, QUARTER = 3.2, np.pi / 2
-"""Angle up to which a sensor is turned by the wider law, and the turns of a cube from which fits start: what
-is mounted on another of its faces, or read by other cables."""
-
-
-@cache
-def _turns_of_a_cube() -> list[list[float]]:
-    """Rotation vectors [rad] of the 24 ways in which a cube can lie."""
-    from scipy.spatial.transform import Rotation
-
-    return list(Rotation.create_group("O").as_rotvec().tolist())
-
-
-def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    """Besides: any turn, one axis mirrored, axes neither square nor alike, and a turn of the world.
-
-    That is the same in every posture.
-    """
-    turns = (
-        replace(one, lower=-ANY, upper=ANY) if one.unit == "rad" else one for one in _tilt(context, where)
-    )
-    planar = context.normal is not None
-    across = [signed(name, "", 0.1, -0.8, 0.8) for name in (_ACROSS[:1] if planar else _ACROSS)]
-    sizes = [positive(name, "", 1.0, 0.1, 0.3, 3.0) for name in (_SIZES[:1] if planar else _SIZES)]
-    lean = [signed(f"lean_{axis}", "rad", 0.2, -1.4, 1.4) for axis in "xyz" if not planar]
-    return (*turns, *sizes, *across, signed(MIRRORED, "", 0.15, -0.2, 1.2), *lean)
-
-
-def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    """Where the turn with the link ended, a turn of the world in place of it, and the turns of a cube.
-
-    In a plane a turn of the world is one with the link.
-    """
-    if context.normal is not None:
-        quarters = [{**values, "angle": angle} for angle in (0.0, QUARTER, -QUARTER, 2 * QUARTER)]
-        return [values, *({**one, MIRRORED: side} for side in (0.0, 1.0) for one in quarters)]
-    upright = {f"angle_{axis}": 0.0 for axis in "xyz"}
-    leans = [{k.replace("angle", "lean"): v for k, v in one.items()} for one in _tilt_starts(context, where)]
-    leaning = [{**beside, **lean} for beside in (values, upright) for lean in leans]
-    cube = [dict(zip(upright, turn, strict=True)) for turn in _turns_of_a_cube()]
-    return [values, *leaning, *({**values, **one, MIRRORED: side} for side in (0.0, 1.0) for one in cube)]
-
-
-def _stretched(assembly: Assembly, placement: Placement, way: np.ndarray) -> np.ndarray:
-    """By a symmetric matrix in the axes of the link; with the turn, any matrix of three axes in one housing.
-
-    Its first axis may be mirrored.
-
-    Transverse sensitivity as of ISO 16063-31. In a plane the axes are along the link and beside it.
-    """
-    context = placement.context
-    link = context.point(placement.where).link
-    frame, first = assembly.axes(link), 1 - 2 * placement[MIRRORED]
-    if context.normal is None:
-        (xy, xz, yz), (y, z) = (placement[name] for name in _ACROSS), (placement[name] for name in _SIZES)
-        metric = np.array([[first, xy, xz], [xy, y, yz], [xz, yz, z]])
-    else:
-        out = frame @ along(context, link)[1]
-        normal = np.broadcast_to(context.normal, out.shape)
-        frame = np.stack([out, np.cross(normal, out), normal], axis=-1)
-        xy, y = placement[_ACROSS[0]], placement[_SIZES[0]]
-        metric = np.array([[first, xy, 0.0], [xy, y, 0.0], [0.0, 0.0, 1.0]])
-    felt = np.einsum("...ji,...j->...i", frame, way)
-    return np.asarray(np.einsum("...ij,jk,...k->...i", frame, metric, felt))
-
-
-def _widely_turned(assembly: Assembly, placement: Placement, point: str, way: np.ndarray) -> np.ndarray:
-    """Stretched and turned on its link, and set up anew in each posture, leaning alike in the world."""
-    if point != placement.where:
-        return way
-    found = _turn(assembly, placement, point, _stretched(assembly, placement, way))
-    if placement.context.normal is not None:
-        return found
-    return turned(np.array([placement[f"lean_{axis}"] for axis in "xyz"]), found)
-
-
-SENSOR_ASKEW = Effect(
-    name="sensor_misalignment",
-    says="a sensor points elsewhere than recorded",
-    places=lambda context: context.sensors,
-    parameters=_wide_parameters,
-    starts=_tilt_starts,
-    turn=_widely_turned,
-    aside=_aside,
-)
-SENSOR_MISALIGNMENT = replace(
-    SENSOR_ASKEW, parameters=_tilt, turn=_turn, next_level=Level(SENSOR_ASKEW, _wide_starts)
+SENSOR_GAIN = replace(
+    STEPPED_GAIN, parameters=_gain_parameters, turn=None, next_level=Level(STEPPED_GAIN, _step_starts)
 )

@@ -193,7 +193,7 @@ def _felt(law: Law) -> Float[np.ndarray, " state"]:
     return np.concatenate([still, law.row] if law.kind == SLOW else [law.row, still])
 
 
-def _parameters(struck: Sequence[Struck], step: float) -> Float[np.ndarray, "system law 6"]:
+def _parameters(struck: Sequence[Struck], step: float) -> Float[np.ndarray, "system law 8"]:
     """Of the laws; of friction the speed as elongation in a step, and the time in steps."""
     found = np.array([[law.parameters for law in one.laws] for one in struck], dtype=float)
     rubs = np.flatnonzero([law.kind == FRICTION for law in struck[0].laws])

@@ -124,7 +124,7 @@ def integrate(turn, cross, carried, late, rows, gain, kinds, parameters, push, t
         rows: elongations by the state, speeds for laws by speed, likewise.
         gain: elongations by torques at once, [tile, law, law, lane].
         kinds: code of each law.
-        parameters: of the laws, [tile, law, 6, lane], see `law`; of friction speed in elongation per step and
+        parameters: of the laws, [tile, law, 8, lane], see `law`; of friction speed in elongation per step and
             time in steps.
         push: what the hammer adds in each step until its pulse is over, [tile, step, state, lane].
         torque: filled, [tile, lane, law, time]; zero at the start.

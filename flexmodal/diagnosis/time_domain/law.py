@@ -13,12 +13,13 @@ direction and the speed hold and stays bounded by T_c at any step. What it slips
 
     T_c(v) = T_c (1 + r exp(−(v/v_s)²))
 
-(Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994, with Stribeck's speed v_s). What sticks
-may damp as it bends, T + τ dT/dt: bristles with a stiffness σ and a damping σ τ (LuGre, Canudas de Wit,
-Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995). A spring may be loaded at rest, so
-that it is wound up by u₀ about which it is not odd: the torque is then the difference
-from that at rest, and k stays the stiffness there. The last law is a knee at d, both ways, rounded over e:
-nothing before d and A beyond for e = 0, a cubic spring where e is large.
+(Armstrong-Hélouvry, Dupont and Canudas de Wit, Automatica 30, 1994, with Stribeck's speed v_s), and grow with
+what the joint carries, by μ k |q + u₀| (Hamon, Gautier and Garrec, IEEE/RSJ IROS, 2010), u₀ what a load at
+rest winds its spring up by. What sticks may damp as it bends, T + τ dT/dt: bristles with a stiffness σ and a
+damping σ τ (LuGre, Canudas de Wit, Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995). A
+spring may be loaded at rest, so that it is wound up by u₀ about which it is not odd: the torque is then the
+difference from that at rest, and k stays the stiffness there. The last law is a knee at d, both ways, rounded
+over e: nothing before d and A beyond for e = 0, a cubic spring where e is large.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ from jaxtyping import Float
 
 HARDENING, FRICTION, SLOW, KNEE = 0, 1, 2, 3
 """Codes of the laws in the kernels."""
+REST = (0.0, 0.0)
+"""Two parameters that a law has not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,9 +42,9 @@ class Law:
     row: Float[np.ndarray, "*system dof"]
     """Elongation = row · coordinates [rad, m]."""
     kind: int
-    parameters: tuple[float, float, float, float, float, float]
-    """Of friction T_c, σ, i, r, v_s, τ; of a spring a k, q_r, q_r u₀, the linear part on top, and nothing;
-    of what is viscous when slow T_v, v_t, and nothing; of a knee A, d, u₀, the linear part, e, nothing."""
+    parameters: tuple[float, float, float, float, float, float, float, float]
+    """Of friction T_c, σ, i, r, v_s, τ, μ k, u₀; of a spring a k, q_r, q_r u₀, the linear part on top; of
+    what is viscous when slow T_v, v_t; of a knee A, d, u₀, the linear part, e; then nothing."""
 
     def of_system(self, k: int) -> Law:
         """In one of the systems, if its row is not the same in all."""
@@ -56,6 +59,8 @@ def friction(
     stiction: float = 0.0,
     speed: float = 1.0,
     lag: float = 0.0,
+    growing: float = 0.0,
+    wound: float = 0.0,
 ) -> Law:
     """Dry friction.
 
@@ -67,8 +72,11 @@ def friction(
         stiction: part of the torque that comes on top at rest, r.
         speed: at which that has fallen to 1/e, v_s [rad/s].
         lag: damping of what sticks over its stiffness, τ [s].
+        growing: by how much the limit grows with the elongation from no load, μ k [N·m/rad].
+        wound: how far a load has wound the joint up at rest, u₀ [rad].
     """
-    return Law(row, FRICTION, (torque, presliding_stiffness, exponent, stiction, speed, lag))
+    given = (torque, presliding_stiffness, exponent, stiction, speed, lag, growing, wound)
+    return Law(row, FRICTION, given)
 
 
 def slow_friction(row: Float[np.ndarray, "*system dof"], torque: float, speed: float) -> Law:
@@ -79,7 +87,7 @@ def slow_friction(row: Float[np.ndarray, "*system dof"], torque: float, speed: f
         torque: that it comes to [N·m].
         speed: at which three quarters of it are there, v_t [rad/s].
     """
-    return Law(row, SLOW, (torque, speed, 0.0, 0.0, 0.0, 0.0))
+    return Law(row, SLOW, (torque, speed, *REST, *REST, *REST))
 
 
 def hardening(
@@ -102,9 +110,9 @@ def hardening(
     share = (wound / deflection) ** 2
     part = share * (3 + share) / (1 + share) ** 2
     if at_rest is None or part == 0.0:
-        return Law(row, HARDENING, (stiffness, deflection, wound, -stiffness * part, 0.0, 0.0))
+        return Law(row, HARDENING, (stiffness, deflection, wound, -stiffness * part, *REST, *REST))
     scale = 1 / (1 + stiffness / at_rest * part)
-    return Law(row, HARDENING, (scale * stiffness, deflection, wound, (scale - 1) * at_rest, 0.0, 0.0))
+    return Law(row, HARDENING, (scale * stiffness, deflection, wound, (scale - 1) * at_rest, *REST, *REST))
 
 
 def knee(
@@ -134,4 +142,4 @@ def knee(
     rise = top * (1 + (ends[0] - ends[1]) / 2 - begins)
     scale = 1 / (1 + rise / at_rest)
     linear = -scale * top * begins + (scale - 1) * at_rest
-    return Law(row, KNEE, (scale * top, deflection, wound, linear, softness * deflection, 0.0))
+    return Law(row, KNEE, (scale * top, deflection, wound, linear, softness * deflection, 0.0, *REST))

@@ -16,8 +16,8 @@ OLD, END, BEFORE, HELD, FOUND, GUESS, SLOPE, FREE, SIZE, MOST, STUCK, STUCK_BEFO
 two steps and one step ago, now, and at the elongation that is tried; its slope there; the elongation that
 there would be without torques now; the largest so far; the limit of friction, and what of its torque is no
 damping one and two steps ago."""
-GIVEN, QUANTITIES = 12, 18
-"""Where the six parameters begin, and how much is kept."""
+GIVEN, QUANTITIES = 12, 20
+"""Where the eight parameters begin, and how much is kept."""
 
 ROUNDING = 6755399441055744.0
 """1.5 · 2⁵²: a number that is added to it is rounded to a whole one, which stands in the last bits."""
@@ -26,6 +26,8 @@ PER_OCTAVE, OCTAVE, OCTAVE_REST = 1.4426950408889634, 0.6931471803691238, 1.9082
 MIDDLE, POINT = 4604544271217802189, 4841369599423283200
 """Bits of √½ and of 2⁵²."""
 LARGEST, NOTHING = 700.0, 1e-300
+SLOW_WAY = 0.01
+"""Part of the way to sliding in a step below which what follows a moving limit comes from its series."""
 SERIES = 0.0025
 """x² below which tanh x comes from its series: there 1 − e^(−2x) would lose digits."""
 
@@ -148,16 +150,17 @@ def slow(w):
 
 @no_type_check
 def limits(w):
-    """What friction slips at, by the speed in the step.
+    """What friction slips at, by the speed in the step and what the joint carries in its middle.
 
     Args:
         w: see `hardened`; the limits are filled.
     """
     old, end, most = w[OLD], w[END], w[MOST]
-    torque, more, speed = w[GIVEN], w[GIVEN + 3], w[GIVEN + 4]
+    torque, more, speed, growing, wound = w[GIVEN], w[GIVEN + 3], w[GIVEN + 4], w[GIVEN + 6], w[GIVEN + 7]
     for b in range(len(end)):
         x = (end[b] - old[b]) / speed[b] if more[b] > 0.0 else 0.0
-        most[b] = torque[b] * (1.0 + more[b] * exponential(-x * x))
+        carried = growing[b] * abs(0.5 * (old[b] + end[b]) + wound[b])
+        most[b] = torque[b] * (1.0 + more[b] * exponential(-x * x)) + carried
 
 
 @no_type_check
@@ -166,32 +169,43 @@ def rubbed(w):
 
     The damping of what sticks goes by a backward difference of second order. Where a torque falls back to a
     lower limit its derivative is given as 0: the equations of a step then stay far from singular, and settle
-    all the same.
+    all the same. A limit that grows with the elongation is followed exponentially, which is exact at an
+    exponent of 1, and at once where it slips at once; its derivative is near enough to settle.
 
     Args:
         w: see `hardened`; the limits are those of the step, see `limits`.
     """
     old, end, most, guess, slope = w[OLD], w[END], w[MOST], w[GUESS], w[SLOPE]
-    stiffness, exponent, lag = w[GIVEN + 1], w[GIVEN + 2], w[GIVEN + 5]
+    stiffness, exponent, lag, growing, wound = (
+        w[GIVEN + 1], w[GIVEN + 2], w[GIVEN + 5], w[GIVEN + 6], w[GIVEN + 7],
+    )  # fmt: skip
     stuck, before = w[STUCK], w[STUCK_BEFORE]
     for b in range(len(end)):
         moved, power = end[b] - old[b], 1.0 - exponent[b]
         limit = most[b] if moved >= 0.0 else -most[b]
         share = 1.0 - stuck[b] / limit  # of the way to sliding that is left; negative where the limit fell
         size, way = abs(share), stiffness[b] * abs(moved) / most[b]
+        decayed = exponential(-way)
         smooth = abs(power) < 1e-9
         root = 1.0 if smooth else power
-        shrunk = size * exponential(-way)
+        shrunk = size * decayed
         left = exponential(root * logarithm(size)) - root * way
         sharp = exponential(logarithm(left) / root)
         sharp = 0.0 if (size < NOTHING) | (left < NOTHING) else sharp
         size = shrunk if smooth else sharp
         ratio = size if smooth else sharp / (left if left > NOTHING else 1.0)
+        followed = 0.5 * (1.0 + decayed) - (1.0 - decayed) / (way if way > 0.0 else 1.0)
+        followed = way * way / 12.0 if way < SLOW_WAY else followed
+        outer, middle = abs(end[b] + wound[b]), abs(0.5 * (old[b] + end[b]) + wound[b])
+        followed *= (outer - abs(old[b] + wound[b])) * (1.0 if smooth else exponent[b])
+        grows = growing[b] * (followed if smooth | (size > 0.0) else outer - middle)
+        grows = grows if moved >= 0.0 else -grows
         size = -size if share < 0.0 else size
         falls = stiffness[b] * ratio
         grown = 1.0 + 1.5 * lag[b]
-        guess[b] = grown * (limit - limit * size) - lag[b] * (2.0 * stuck[b] - 0.5 * before[b])
-        slope[b] = grown * falls if share > 0.0 else 0.0
+        guess[b] = grown * (limit - limit * size + grows) - lag[b] * (2.0 * stuck[b] - 0.5 * before[b])
+        outward = growing[b] if (moved >= 0.0) == (end[b] + wound[b] >= 0.0) else -growing[b]
+        slope[b] = grown * (falls + outward * (1.0 - size) * (1.0 - ratio)) if share > 0.0 else 0.0
 
 
 @no_type_check

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flexmodal.diagnosis.time_domain.law import FRICTION, HARDENING, KNEE, SLOW
+from flexmodal.diagnosis.time_domain.law_kernel import SLOW_WAY
 from flexmodal.diagnosis.time_domain.settle_kernel import CLOSE, ROUNDS, STUBBORN
 
 
@@ -17,7 +18,7 @@ def integrate(
     rows: Float[np.ndarray, "tile law state lane"],
     gain: Float[np.ndarray, "tile law law lane"],
     kinds: Int[np.ndarray, " law"],
-    parameters: Float[np.ndarray, "tile law 6 lane"],
+    parameters: Float[np.ndarray, "tile law 8 lane"],
     push: Float[np.ndarray, "tile step state lane"],
     torque: Float[np.ndarray, "tile lane law time"],
     last: Float[np.ndarray, "tile state lane"],
@@ -76,7 +77,7 @@ def _settle(
 
 def law(
     kind: int,
-    p: Float[np.ndarray, "blow 6"],
+    p: Float[np.ndarray, "blow 8"],
     old: Float[np.ndarray, " blow"],
     new: Float[np.ndarray, " blow"],
     memory: Float[np.ndarray, " blow"],
@@ -103,6 +104,7 @@ def law(
         return p[:, 0] * (torque - held) + p[:, 3] * new, p[:, 0] * slope + p[:, 3]
     moved = new - old
     most = p[:, 0] * (1 + p[:, 3] * np.exp(-((moved / p[:, 4]) ** 2)))
+    most = most + p[:, 6] * np.abs((old + new) / 2 + p[:, 7])
     limit = np.where(moved >= 0, most, -most)
     share = 1 - memory / limit  # of the way to sliding that is left; negative where the limit has fallen
     way, power = p[:, 1] * np.abs(moved) / most, 1 - p[:, 2]
@@ -111,13 +113,20 @@ def law(
     with np.errstate(divide="ignore", invalid="ignore"):
         left = np.where(share != 0, np.abs(share) ** root - root * way, 0.0)
         size = np.where(smooth, np.abs(share) * np.exp(-way), np.where(left > 0, left ** (1 / root), 0.0))
-        slope = np.where(size > 0, p[:, 1] * size ** p[:, 2], 0.0)
+        ratio = np.where(size > 0, size ** p[:, 2], 0.0)
+        followed = (1 + np.exp(-way)) / 2 + np.expm1(-way) / way
+    followed = np.where(way < SLOW_WAY, way**2 / 12, followed) * np.where(smooth, 1.0, p[:, 2])
+    start, middle, end = (np.abs(one + p[:, 7]) for one in (old, (old + new) / 2, new))
+    grows = np.where(smooth | (size > 0), followed * (end - start), end - middle)
+    grows = p[:, 6] * np.where(moved >= 0, grows, -grows)
     sign = np.sign(share)
-    return limit - limit * sign * size, np.maximum(sign * slope, 0.0)
+    outward = np.where((moved >= 0) == (new + p[:, 7] >= 0), p[:, 6], -p[:, 6])
+    slope = np.where(share > 0, p[:, 1] * ratio + outward * (1 - size) * (1 - ratio), 0.0)
+    return limit - limit * sign * size + grows, slope
 
 
 def _bent(
-    p: Float[np.ndarray, "blow 6"], u: Float[np.ndarray, " blow"]
+    p: Float[np.ndarray, "blow 8"], u: Float[np.ndarray, " blow"]
 ) -> tuple[Float[np.ndarray, " blow"], Float[np.ndarray, " blow"]]:
     """Of a knee at elongations from no load the torque over A, and its slope."""
     low, high = u - p[:, 1], u + p[:, 1]
