@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import flexmodal
 from flexmodal.diagnosis.effects import Context, bearing, catalogue, hinges, link_motion, rod
+from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
@@ -1368,6 +1369,29 @@ def test_two_rows_are_springs_that_meet_off_the_joint(spatial):
     found = ours(context, observed, "bearing_flexibility", "q2", values)
     other = theirs(observed, stand, "bearing_flexibility", "q2", rows, "rows")
     np.testing.assert_allclose(found, other, rtol=1e-6)
+
+
+@pytest.mark.parametrize("arm", ["bench", "spatial"])
+def test_a_tank_that_is_half_full_is_that_of_the_rig(request, arm):
+    """Closed forms of Abramson for the part that swings, its frequency and its height over the centre."""
+    context, observed, stand = request.getfixturevalue(arm)
+    where = context.links[1]  # heavy enough that what a point would not turn with does not count
+    given = {"along": 0.6, "beside": 0.05, "mass": 7.0, "gyration": 2e-3}
+    given |= {} if context.normal is not None else {"above": -0.04}
+    place = dict(zip("xyz", place_on(context, where, given).tolist(), strict=True))
+    radius, depth, zero = 0.15, 0.9, 1.8411837813406593
+    part = 2 * np.tanh(zero * depth) / (zero * (zero**2 - 1) * depth)
+    values = {
+        **given, "sloshing": part, "slosh_damping_ratio": 0.04,
+        "slosh_frequency": np.sqrt(zero * 9.81 / radius * np.tanh(zero * depth)) / (2 * np.pi),
+        "slosh_height": radius * (depth / 2 - 2 / zero * np.tanh(zero * depth / 2)),
+    }  # fmt: skip
+    tank = {**place, "mass": 7.0, "radius": radius, "depth": depth, "damping_ratio": 0.04}
+    found = ours(context, observed, effect_of("added_mass" + NEXT), where, values)
+    other = theirs(observed, stand, "added_mass", where, tank, "half_full")
+    np.testing.assert_allclose(found, other, rtol=1e-3)
+    frozen = ours(context, observed, "added_mass", where, given)
+    assert np.abs(np.log(np.abs(frozen / other))).max() > 0.05
 
 
 @pytest.mark.parametrize("joint", ["q1", "q4"])

@@ -3,6 +3,9 @@
 In space it may be a disc or a rod, turned as it likes: its tensor of inertia is any that a body has. What
 holds it may give, alike in every direction, so little that it swings beyond the band only; what swings
 within is an absorber.
+
+At the next level it is a tank that is not full. All of its liquid goes up and down, sideways a part of it
+stays behind: it swings slowly, as on springs (Abramson, ed., NASA SP-106, 1966).
 """
 
 from __future__ import annotations
@@ -13,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
@@ -27,6 +30,9 @@ RIGID = 8.0
 """Likewise, above which files hold the mass as rigid."""
 LOSS = 0.03
 """Damping ratio of that, which is not to be seen so far below."""
+FROZEN = 0.02
+"""Of a liquid, up to which no file lacks what swings."""
+_TOLD = ("gyration", "mount_frequency")
 RATIOS, LEANS = ("length_ratio", "side_ratio"), ("length_side_lean", "length_across_lean", "side_across_lean")
 """In space, spreads of the mass along the link and to a side over that across both; and how it leans."""
 
@@ -45,6 +51,30 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         found += [positive(name, "", 1.0, 0.5, 0.05, 20.0) for name in RATIOS]
         found += [signed(name, "", 0.7, -6.0, 6.0) for name in LEANS]
     return tuple(found)
+
+
+SLOSHING, SLOSH = "sloshing", ("slosh_frequency", "slosh_damping_ratio", "slosh_height")
+"""Part of a liquid that swings by itself; how fast and with what loss, and how far above the centre."""
+
+
+def _liquid_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    """Of a tank of some decimetres the liquid swings at 1 to 3 Hz."""
+    rigid = (one for one in _parameters(context, where) if one.name != "mount_frequency")
+    return (
+        *rigid,
+        positive(SLOSHING, "of the mass", 0.1, 1.5, 1e-4, 0.9),
+        positive(SLOSH[0], "Hz", 2.0, 0.5, 0.3, 10.0),
+        positive(SLOSH[1], "", 0.05, 0.7, 1e-3, 0.5),
+        signed(SLOSH[2], "m", 0.05, -0.5, 0.5),
+    )
+
+
+def _liquid_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    return [
+        {**values, "mass": size * values["mass"], SLOSHING: part}
+        for part in (0.1, 0.3, 0.6)
+        for size in (1.0, 1.4)
+    ]
 
 
 def place_on(context: Context, where: str, values: Mapping[str, float]) -> np.ndarray:
@@ -108,6 +138,37 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     assembly.add_body(where, replace(_body(placement, place), mass=0.0))
 
 
+def _liquid_shape(assembly: Assembly, placement: Placement) -> None:
+    assembly.add_coordinates([f"{placement.where} slosh {axis}" for axis in "xy"])
+
+
+def _liquid_act(assembly: Assembly, placement: Placement) -> None:
+    """Up along z of the world; what swings is above the centre of the whole, what stays below it."""
+    where, mass, part = placement.where, placement["mass"], placement[SLOSHING]
+    own, ratio, high = (placement[name] for name in SLOSH)
+    place = place_on(placement.context, where, placement.values)
+    motion, omega = assembly.motion(where, place), 2 * np.pi * own
+    tilted = motion[..., 4, :], -motion[..., 3, :]
+    assembly.add_inertia(motion[..., 2, :], mass)
+    for axis, name in enumerate("xy"):
+        row = assembly.row(f"{where} slosh {name}")
+        level, lever = motion[..., axis, :], high * tilted[axis]
+        assembly.add_inertia(level - part / (1 - part) * lever, (1 - part) * mass)
+        assembly.add_inertia(level + lever + row, part * mass)
+        assembly.add_spring(row, part * mass * omega**2)
+        assembly.add_damper(row, 2 * ratio * part * mass * omega)
+    assembly.add_body(where, replace(_body(placement, place), mass=0.0))
+
+
+def _liquid_extend(draft: Draft, placement: Placement) -> None:
+    """All of it, as if it were frozen."""
+    where, place = placement.where, place_on(placement.context, placement.where, placement.values)
+    draft.attach(where, _body(placement, place), name=f"{where}_payload")
+    if placement[SLOSHING] > FROZEN:
+        part = f"{placement[SLOSHING]:.3g} of it stays behind sideways"
+        draft.notes.append(f"the files have the mass on {where} as rigid: {part}")
+
+
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     x, y, z = place_on(context, where, values).tolist()
     return {
@@ -115,7 +176,7 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
         "x": x,
         "y": y,
         "z": z,
-        **{name: values[name] for name in ("gyration", "mount_frequency")},
+        **{name: values[name] for name in (*_TOLD, SLOSHING, *SLOSH) if name in values},
     }
 
 
@@ -131,7 +192,7 @@ def _extend(draft: Draft, placement: Placement) -> None:
         draft.flexible(joint, body.mass * own**2, 2 * LOSS * body.mass * own)
 
 
-EFFECT = Effect(
+RIGID_MASS = Effect(
     name="added_mass",
     says="the link carries a mass that the card lacks",
     places=lambda context: context.links,
@@ -146,3 +207,7 @@ EFFECT = Effect(
     hides_in=("mass.", "inertia."),
     units={"x": "m", "y": "m", "z": "m"},
 )
+LIQUID = replace(
+    RIGID_MASS, parameters=_liquid_parameters, shape=_liquid_shape, act=_liquid_act, extend=_liquid_extend
+)
+EFFECT = replace(RIGID_MASS, next_level=Level(LIQUID, _liquid_starts))
