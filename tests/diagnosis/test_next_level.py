@@ -145,9 +145,9 @@ def test_where_the_mass_of_a_link_is_and_where_it_gives_are_found_from_an_even_o
 
 
 def test_each_effect_gets_its_wider_law_from_where_the_joint_fit_is(fits, monkeypatch):
-    """The foundation came first, and is tried as the last; a mass has no wider law."""
+    """The foundation came first, and is tried as the last; what has no wider law gets none."""
     setup, _, narrow = fits
-    mass = Placed(catalogue()["added_mass"], setup.context.links[-1])
+    mass = Placed(replace(catalogue()["added_mass"], next_level=None), setup.context.links[-1])
     both = narrow.hypothesis.and_also(mass)
     x = both.start(mass, {"mass": 2.0}, narrow.x)
     misfit = replace(narrow.fitted.misfit, model=both)
