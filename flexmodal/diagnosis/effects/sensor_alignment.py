@@ -85,7 +85,7 @@ _ACROSS = ("across_1_2", "across_1_3", "across_2_3")
 MIRRORED = "mirrored"
 """From 0, nothing, to 1: the first axis the other way round, as with a turn two exchanged channels are."""
 FOLLOWING = "following"
-"""Part of the turn of its link since the first posture that it makes too many: 0 where it is as recorded."""
+"""Part of the turn of its link since the first posture that it has made too: 0 where it is as recorded."""
 FOLLOWED = (-0.8, -0.3, 0.3, 0.8)
 """Of it, from which fits start."""
 ANY, QUARTER = 3.2, np.pi / 2
