@@ -32,7 +32,8 @@ LOSS = 0.03
 """Damping ratio of that, which is not to be seen so far below."""
 FROZEN = 0.02
 """Of a liquid, up to which no file lacks what swings."""
-_TOLD = ("gyration", "mount_frequency")
+SLOSH = ("sloshing", "slosh_frequency", "slosh_damping_ratio", "slosh_height")
+"""Part of a liquid that swings by itself; how fast and with what loss, and how far above the centre."""
 RATIOS, LEANS = ("length_ratio", "side_ratio"), ("length_side_lean", "length_across_lean", "side_across_lean")
 """In space, spreads of the mass along the link and to a side over that across both; and how it leans."""
 
@@ -53,25 +54,21 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     return tuple(found)
 
 
-SLOSHING, SLOSH = "sloshing", ("slosh_frequency", "slosh_damping_ratio", "slosh_height")
-"""Part of a liquid that swings by itself; how fast and with what loss, and how far above the centre."""
-
-
 def _liquid_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     """Of a tank of some decimetres the liquid swings at 1 to 3 Hz."""
     rigid = (one for one in _parameters(context, where) if one.name != "mount_frequency")
     return (
         *rigid,
-        positive(SLOSHING, "of the mass", 0.1, 1.5, 1e-4, 0.9),
-        positive(SLOSH[0], "Hz", 2.0, 0.5, 0.3, 10.0),
-        positive(SLOSH[1], "", 0.05, 0.7, 1e-3, 0.5),
-        signed(SLOSH[2], "m", 0.05, -0.5, 0.5),
+        positive("sloshing", "of the mass", 0.1, 1.5, 1e-4, 0.9),
+        positive("slosh_frequency", "Hz", 2.0, 0.5, 0.3, 10.0),
+        positive("slosh_damping_ratio", "", 0.05, 0.7, 1e-3, 0.5),
+        signed("slosh_height", "m", 0.05, -0.5, 0.5),
     )
 
 
 def _liquid_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
     return [
-        {**values, "mass": size * values["mass"], SLOSHING: part}
+        {**values, "mass": size * values["mass"], "sloshing": part}
         for part in (0.1, 0.3, 0.6)
         for size in (1.0, 1.4)
     ]
@@ -144,8 +141,8 @@ def _liquid_shape(assembly: Assembly, placement: Placement) -> None:
 
 def _liquid_act(assembly: Assembly, placement: Placement) -> None:
     """Up along z of the world; what swings is above the centre of the whole, what stays below it."""
-    where, mass, part = placement.where, placement["mass"], placement[SLOSHING]
-    own, ratio, high = (placement[name] for name in SLOSH)
+    where, mass = placement.where, placement["mass"]
+    part, own, ratio, high = (placement[name] for name in SLOSH)
     place = place_on(placement.context, where, placement.values)
     motion, omega = assembly.motion(where, place), 2 * np.pi * own
     tilted = motion[..., 4, :], -motion[..., 3, :]
@@ -164,8 +161,8 @@ def _liquid_extend(draft: Draft, placement: Placement) -> None:
     """All of it, as if it were frozen."""
     where, place = placement.where, place_on(placement.context, placement.where, placement.values)
     draft.attach(where, _body(placement, place), name=f"{where}_payload")
-    if placement[SLOSHING] > FROZEN:
-        part = f"{placement[SLOSHING]:.3g} of it stays behind sideways"
+    if placement["sloshing"] > FROZEN:
+        part = f"{placement['sloshing']:.3g} of it stays behind sideways"
         draft.notes.append(f"the files have the mass on {where} as rigid: {part}")
 
 
@@ -176,7 +173,7 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
         "x": x,
         "y": y,
         "z": z,
-        **{name: values[name] for name in (*_TOLD, SLOSHING, *SLOSH) if name in values},
+        **{name: values[name] for name in ("gyration", "mount_frequency", *SLOSH) if name in values},
     }
 
 

@@ -104,8 +104,8 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
         return []
     known = {**values, "second_loss_ratio": 1.0}
     turned = [{"tilt_ratio": ratio, "tilt_angle": angle} for ratio in (0.3, 3.0) for angle in (0.0, 0.8)]
-    along = [way for way in _mesh(context, where) if "radial" in way]
-    turned += [{name: sign * _MESH} for name in along for sign in (1, -1)]
+    across = [name for name, way in _mesh(context, where).items() if way.kind == "radial"]
+    turned += [{name: sign * _MESH} for name in across for sign in (1, -1)]
     return [known, {**known, "ratio": 1 / values["ratio"]}, *({**known, **one} for one in turned)]
 
 

@@ -31,8 +31,8 @@ from jaxtyping import Float
 
 HARDENING, FRICTION, SLOW, KNEE = 0, 1, 2, 3
 """Codes of the laws in the kernels."""
-REST = (0.0, 0.0)
-"""Two parameters that a law has not."""
+NUMBERS = 8
+"""The most that a law takes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,13 +42,18 @@ class Law:
     row: Float[np.ndarray, "*system dof"]
     """Elongation = row · coordinates [rad, m]."""
     kind: int
-    parameters: tuple[float, float, float, float, float, float, float, float]
+    parameters: tuple[float, ...]
     """Of friction T_c, σ, i, r, v_s, τ, μ k, u₀; of a spring a k, q_r, q_r u₀, the linear part on top; of
-    what is viscous when slow T_v, v_t; of a knee A, d, u₀, the linear part, e; then nothing."""
+    what is viscous when slow T_v, v_t; of a knee A, d, u₀, the linear part, e; then zeros."""
 
     def of_system(self, k: int) -> Law:
         """In one of the systems, if its row is not the same in all."""
         return self if self.row.ndim == 1 else replace(self, row=self.row[k])
+
+
+def _law(row: Float[np.ndarray, "*system dof"], kind: int, *given: float) -> Law:
+    """With zeros for what it does not take."""
+    return Law(row, kind, (*given, *(0.0 for _ in range(NUMBERS - len(given)))))
 
 
 def friction(
@@ -75,8 +80,8 @@ def friction(
         growing: by how much the limit grows with the elongation from no load, μ k [N·m/rad].
         wound: how far a load has wound the joint up at rest, u₀ [rad].
     """
-    given = (torque, presliding_stiffness, exponent, stiction, speed, lag, growing, wound)
-    return Law(row, FRICTION, given)
+    given = torque, presliding_stiffness, exponent, stiction, speed, lag, growing, wound
+    return _law(row, FRICTION, *given)
 
 
 def slow_friction(row: Float[np.ndarray, "*system dof"], torque: float, speed: float) -> Law:
@@ -87,7 +92,7 @@ def slow_friction(row: Float[np.ndarray, "*system dof"], torque: float, speed: f
         torque: that it comes to [N·m].
         speed: at which three quarters of it are there, v_t [rad/s].
     """
-    return Law(row, SLOW, (torque, speed, *REST, *REST, *REST))
+    return _law(row, SLOW, torque, speed)
 
 
 def hardening(
@@ -110,9 +115,9 @@ def hardening(
     share = (wound / deflection) ** 2
     part = share * (3 + share) / (1 + share) ** 2
     if at_rest is None or part == 0.0:
-        return Law(row, HARDENING, (stiffness, deflection, wound, -stiffness * part, *REST, *REST))
+        return _law(row, HARDENING, stiffness, deflection, wound, -stiffness * part)
     scale = 1 / (1 + stiffness / at_rest * part)
-    return Law(row, HARDENING, (scale * stiffness, deflection, wound, (scale - 1) * at_rest, *REST, *REST))
+    return _law(row, HARDENING, scale * stiffness, deflection, wound, (scale - 1) * at_rest)
 
 
 def knee(
@@ -142,4 +147,4 @@ def knee(
     rise = top * (1 + (ends[0] - ends[1]) / 2 - begins)
     scale = 1 / (1 + rise / at_rest)
     linear = -scale * top * begins + (scale - 1) * at_rest
-    return Law(row, KNEE, (scale * top, deflection, wound, linear, softness * deflection, 0.0, *REST))
+    return _law(row, KNEE, scale * top, deflection, wound, linear, softness * deflection)

@@ -11,13 +11,15 @@ from typing import no_type_check
 
 import numpy as np
 
+from flexmodal.diagnosis.time_domain.law import NUMBERS
+
 OLD, END, BEFORE, HELD, FOUND, GUESS, SLOPE, FREE, SIZE, MOST, STUCK, STUCK_BEFORE = range(12)
 """What is kept of a law for each lane: elongation (of a law by speed that speed) one step ago and now; torque
 two steps and one step ago, now, and at the elongation that is tried; its slope there; the elongation that
 there would be without torques now; the largest so far; the limit of friction, and what of its torque is no
 damping one and two steps ago."""
-GIVEN, QUANTITIES = 12, 20
-"""Where the eight parameters begin, and how much is kept."""
+GIVEN, QUANTITIES = 12, 12 + NUMBERS
+"""Where the parameters begin, and how much is kept."""
 
 ROUNDING = 6755399441055744.0
 """1.5 · 2⁵²: a number that is added to it is rounded to a whole one, which stands in the last bits."""

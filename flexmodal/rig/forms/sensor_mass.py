@@ -110,8 +110,8 @@ def _along_arm(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> Non
     link, end = point.link, np.array(point.xyz)
     while link in before:
         weight = site["line_mass"] * float(np.linalg.norm(end))
-        inertia = site["line_mass"] * float(np.linalg.norm(end)) / 12
-        assembly.add_body(link, end / 2, weight, inertia * (end @ end * np.eye(3) - np.outer(end, end)))
+        spread = end @ end * np.eye(3) - np.outer(end, end)
+        assembly.add_body(link, end / 2, weight, weight / 12 * spread)
         link, end = before[link].parent, np.array(before[link].xyz)
 
 

@@ -64,10 +64,7 @@ def backlash(p, new, force):
 
 @no_type_check
 def elastic(kind, p, new, force):
-    """Torques that only the elongation sets.
-
-    Polynomial (3), piecewise (4), saturating (5), sinh (6), Hertz's (12).
-    """
+    """Torques that only the elongation sets: polynomial (3), piecewise, saturating, sinh, Hertz's (7)."""
     for b in range(len(new)):
         u = new[b]
         size = abs(u)
@@ -78,7 +75,7 @@ def elastic(kind, p, new, force):
             force[b] = -torque if u > 0 else torque
         elif kind == 5:
             force[b] = -(p[0] * np.tanh(u / p[1]) + p[2] * u)
-        elif kind == 12:
+        elif kind == 7:
             pressed = max(1.0 + u / p[1], 0.0) ** 1.5 - max(1.0 - u / p[1], 0.0) ** 1.5
             force[b] = -p[0] * (p[1] / 3.0 * pressed - u)
         else:
@@ -90,10 +87,10 @@ def elastic(kind, p, new, force):
 
 @no_type_check
 def sliding(kind, p, speed, old, new, memory, fresh, force, ease):
-    """Torques that the rate sets, Stribeck's (7) and the bristles' (8); `ease` of the last guess stays."""
+    """Torques that the rate sets, Stribeck's (8) and the bristles' (9); `ease` of the last guess stays."""
     for b in range(len(speed)):
         v, moved = speed[b], new[b] - old[b]
-        if kind == 7:
+        if kind == 8:
             torque = (p[0] + (p[1] - p[0]) * np.exp(-((v / p[2]) ** 2))) * np.tanh(v / p[3])
         else:
             limit = p[2] + (p[3] - p[2]) * np.exp(-((v / p[4]) ** 2))
@@ -106,12 +103,12 @@ def sliding(kind, p, speed, old, new, memory, fresh, force, ease):
 
 @no_type_check
 def yielding(kind, p, old, new, memory, fresh, force):
-    """Torques that the distance moved sets: a spring that slips (9), by load (11), Bouc and Wen's (10)."""
+    """Torques that the distance moved sets: a spring that slips (10), by load (12), Bouc and Wen's (11)."""
     for b in range(len(new)):
         moved = new[b] - old[b]
-        if kind == 9:
+        if kind == 10:
             torque = min(max(memory[b] + p[0] * moved, -p[1]), p[1])
-        elif kind == 11:
+        elif kind == 12:
             limit = p[1] + p[2] * abs(new[b] + p[3])
             torque = min(max(memory[b] + p[0] * moved, -limit), limit)
         else:
@@ -135,9 +132,9 @@ def act(kind, p, old, new, speed, before, memory, fresh, force, ease):
         friction(p, old, new, before, force)
     elif kind == 2:
         backlash(p, new, force)
-    elif kind <= 6 or kind == 12:
+    elif kind <= 7:
         elastic(kind, p, new, force)
-    elif kind <= 8:
+    elif kind <= 9:
         sliding(kind, p, speed, old, new, memory, fresh, force, ease)
     else:
         yielding(kind, p, old, new, memory, fresh, force)

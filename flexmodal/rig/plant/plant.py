@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Complex, Float
 
-HARDENING, FRICTION, BACKLASH, POLYNOMIAL, PIECEWISE, SATURATING = range(6)
-SINH, STRIBECK, LUGRE, SLIDER, BOUC_WEN, LOADED, HERTZ = range(6, 13)
+HARDENING, FRICTION, BACKLASH, POLYNOMIAL, PIECEWISE, SATURATING, SINH, HERTZ = range(8)
+STRIBECK, LUGRE, SLIDER, BOUC_WEN, LOADED = range(8, 13)
 """Kinds of non-linear element; see `laws`."""
 NUMBERS = 5
 """The most that a law takes."""
