@@ -17,6 +17,7 @@ from flexmodal.diagnosis.selection.decision import Asked
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.identification import Observations, fit, gap, observe, predict, unlimited
 from flexmodal.identification.compatibility import check_compatible
+from flexmodal.identification.ringing import rings_on
 from flexmodal.identification.setting_up import Found
 from flexmodal.identification.tolerance import as_set_up, with_tolerance
 from flexmodal.model import Robot
@@ -113,15 +114,25 @@ def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:
 
 
 def _whole(observations: Observations, context: Context) -> Observations:
-    """The observations, without the length of their records where the robot comes to rest within it."""
+    """The observations, without the length of their records where robot and measurement are at rest by then.
+
+    What is missing may leave a mode with less damping than any of the card's.
+    """
+    if _outlasts(observations, context) or rings_on(observations):
+        return replace(observations, cut_slopes=False)  # steps need not be exact, and are much faster so
+    return unlimited(observations)
+
+
+def _outlasts(observations: Observations, context: Context) -> bool:
+    """Whether the robot as the card has it still moves at the end of some record."""
     root = Hypothesis(context, robot_space(context.robot))
     for group in root.groups(np.zeros(len(root.space)), observations, slopes=False):
         axis, pairs = observations.axis_of(group.part.level), group.part.entries.table[:1, 1:]
         if axis.length > 0 and any(
             missing(group.structures[k], axis, pairs) is not None for k in range(len(group.structures))
         ):
-            return replace(observations, cut_slopes=False)  # steps need not be exact, and are much faster so
-    return unlimited(observations)
+            return True
+    return False
 
 
 def _middling(
