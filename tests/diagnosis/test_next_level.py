@@ -166,10 +166,10 @@ def test_each_effect_gets_its_wider_law_from_where_the_joint_fit_is(fits, monkey
 
 @pytest.mark.parametrize(
     ("part", "met", "tried"),
-    [(0.9, True, True), (1.1, True, False), (0.9, False, False)],
+    [(0.9, True, True), (1.1, True, True), (0.9, False, False)],
 )
 def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part, met, tried):
-    """At the place that a look points to, if free functions leave much less there."""
+    """At the place that a look points to; that free functions explain it no better there says nothing."""
     setup, _, narrow = fits
     wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
     monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: [narrow])
@@ -188,7 +188,8 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
 
 
 @pytest.mark.parametrize(
-    ("explains", "part", "tried"), [(True, 0.6, True), (True, 0.4, False), (False, 0.6, False)]
+    ("explains", "part", "tried"),
+    [(True, 0.6, True), (True, 0.4, False), (False, 0.6, True), (False, 0.4, True)],
 )
 def test_a_law_that_takes_too_little_where_one_place_explains_it_is_widened(
     fits, monkeypatch, explains, part, tried
@@ -239,11 +240,12 @@ def test_no_narrow_law_is_enough_where_only_wide_ones_do_what_was_found(fits, mo
     setup, _, narrow = fits
     wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
     monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
+    monkeypatch.setattr(frf_candidates, "left", lambda *given: 0.4)
     root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
     candidates._is_enough = lambda model: False
     look = Mock(
-        spec=Findings, explains=False, found=(Mock(port=port),), needed=False, fitted=None,
+        spec=Findings, explains=True, found=(Mock(port=port),), needed=False, fitted=None,
         left=over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
     )  # fmt: skip
     assert candidates._at_next_levels(root, [narrow], look) == [wider if tried else narrow]

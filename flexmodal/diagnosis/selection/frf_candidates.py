@@ -238,11 +238,12 @@ class FrfCandidates(SearchesBeside):
         More than noise, and more than the functions of that place leave when they are free, or most of what
         is missing: where that is little, it is less than several times the noise to begin with. No narrow law
         is enough where the place is one that only wide ones have, or its curve is of another effect's class.
+        Where free functions explain nothing either the law may tie what no function does.
         """
         enough = [one for one in found if self._is_enough(one) and left(self.setup, before, one) <= HALF]
         if any(look.met([one.key]) or not self._may_be_another(one, look) for one in enough):
             return found
-        least = LAW_LEAVES * look.left
+        least = LAW_LEAVES * look.left if look.explains else EXPLAINED
         others = swung(self.setup, before, look)
         places = [one for one in found if look.met([one.key]) or one.key in others]
         does = [one for one in places if not look.explains or left(self.setup, before, one) <= HALF]
