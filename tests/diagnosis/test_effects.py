@@ -27,7 +27,7 @@ from flexmodal.rig import FORMS, simulate
 from flexmodal.rig.believed import known_robot
 from flexmodal.rig.effects.effect import Site
 from flexmodal.rig.plant.build import build
-from flexmodal.rig.plant.geometry import across
+from flexmodal.rig.plant.geometry import across, turn
 from flexmodal.rig.sensing import Sensor
 from flexmodal.rig.simulate import make_stand
 from flexmodal.structure import robot_space
@@ -642,6 +642,7 @@ def test_a_sensor_gives_on_its_mount_and_is_held_by_its_cable_as_that_of_the_rig
     values = {
         "mass": 2.0, "off": 0.0, "gyration": 1e-4, "cable": 1e-4, "mount_frequency": mount[0],
         "mount_damping_ratio": mount[1], "cable_frequency": cable[0], "cable_damping_ratio": cable[1],
+        "line_mass": 1e-6,
     }  # fmt: skip
     frequency, ratio = mount if form == "sprung" else cable
     sized = {"mass": 2.0, "frequency": frequency, "damping_ratio": ratio}
@@ -650,6 +651,19 @@ def test_a_sensor_gives_on_its_mount_and_is_held_by_its_cable_as_that_of_the_rig
     found = ours(context, observed, "sensor_mass" + NEXT, "sensor", values)
     np.testing.assert_allclose(found, other, rtol=2e-3)
     assert np.max(np.abs(plain / other - 1)) > 0.05, "neither is seen at all"
+
+
+@pytest.mark.parametrize("arm", ["bench", "spatial"])
+def test_a_cable_that_is_laid_along_the_arm_is_that_of_the_rig(request, arm):
+    """A thin line of mass on each link, from its frame to where the cable leaves it."""
+    context, observed, stand = request.getfixturevalue(arm)
+    rigid = {"mount_frequency": 300 * context.band[1], "cable_frequency": 1e-3}
+    bare = {"mass": 2.0, "off": 0.0, "gyration": 1e-4, "cable": 1e-4, **rigid}
+    found = ours(context, observed, "sensor_mass" + NEXT, "sensor", {**bare, "line_mass": 1.5})
+    other = carried_by_the_rig(observed, stand, "along_arm", {"mass": 2.0, "line_mass": 1.5})
+    np.testing.assert_allclose(found, other, rtol=3e-3)
+    alone = ours(context, observed, "sensor_mass" + NEXT, "sensor", {**bare, "line_mass": 1e-3})
+    assert np.abs(np.log(np.abs(alone / other))).max() > 0.05
 
 
 def carried_by_the_rig(observations, stand, form, values):
@@ -1392,6 +1406,40 @@ def test_a_tank_that_is_half_full_is_that_of_the_rig(request, arm):
     np.testing.assert_allclose(found, other, rtol=1e-3)
     frozen = ours(context, observed, "added_mass", where, given)
     assert np.abs(np.log(np.abs(frozen / other))).max() > 0.05
+
+
+@pytest.mark.parametrize(("arm", "link"), [("bench", "link_2"), ("slender", "link_3"), ("spatial", "link_2")])
+def test_a_link_of_two_plates_sways_as_that_of_the_rig(request, arm, link):
+    """On two hinges that sit anywhere, and where hinges are fixed; in space edgewise as a beam."""
+    context, observed, stand = request.getfixturevalue(arm)
+    length, _ = along(context, link)
+    spring, edge, loss = 3e5 if arm != "spatial" else 5e6, 4.0, 0.02
+    mass = stand.true.bodies[link].mass
+    plates = {"sway_stiffness": spring, "edgewise": edge, "angle": 0.6, "damping_ratio": loss}
+    other = theirs(observed, stand, "link_flexibility", link, plates, "plates")
+    stiff, time = 300 * spring * length**2, 2 * loss * np.sqrt(mass / 3 / spring)
+    even = {"position": 0.5, "spread": 3**-0.5}
+    values = {**even, "stiffness": stiff, "damping": time * stiff, "sway": 12 * stiff / (spring * length**2)}
+    if context.normal is None:
+        values |= {"ratio": edge / 900, "second_sway": 1e-7, "angle": turned_to(context, link, plates)}
+        values["twist_ratio"] = 1e3
+    wide = effect_of("link_flexibility" + NEXT)
+    names = {one.name for one in wide.parameters(context, link)}
+    values |= {name: 1e-4 for name in ("shear", "crack") if name in names}
+    found = ours(context, observed, wide, link, values)
+    far = np.sqrt(np.mean(np.abs(np.log(found / other)) ** 2))
+    bends = {**even, "stiffness": spring * length**2 / 3, "damping": time * spring * length**2 / 3}
+    straight = ours(context, observed, "link_flexibility", link, bends)
+    assert far < 0.2 * np.sqrt(np.mean(np.abs(np.log(straight / other)) ** 2))
+
+
+def turned_to(context, link, plates):
+    """The angle of the rig's thin way among our sides."""
+    _, axis = along(context, link)
+    first = turn(axis, plates["angle"]) @ across(axis, None)[0]
+    one, other = sides(context, link, axis)
+    angle = float(np.arctan2(first @ other, first @ one))
+    return (angle + np.pi / 2) % np.pi - np.pi / 2
 
 
 @pytest.mark.parametrize("joint", ["q1", "q4"])

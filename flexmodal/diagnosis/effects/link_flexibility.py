@@ -16,7 +16,8 @@ section 5.6).
 The link's mass is taken as spread evenly along it as far as its centre and its inertia allow, the rest as a
 lump, see `cut_body`. At the next level how much is in the lump is free, and hinges that have fixed places may
 move towards an end of their piece, as those of a link on one hinge do; and there may be a crack, which is a
-hinge with a spring that opens in one plane (Dimarogonas, Engineering Fracture Mechanics 55, 1996, 831).
+hinge with a spring that opens in one plane (Dimarogonas, Engineering Fracture Mechanics 55, 1996, 831). And
+it may sway in each plane, with a spring 12 k/(s L²) at its end: two plates tied at their ends hardly bend.
 """
 
 from __future__ import annotations
@@ -33,11 +34,13 @@ from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, 
 from flexmodal.diagnosis.effects.hinges import EVEN, fixed, stiffest
 from flexmodal.diagnosis.effects.link_motion import (
     SHIFT,
+    SWAYS,
     add_hinges,
     bending,
     cut_body,
     names_of,
     sections,
+    sway,
 )
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
@@ -53,6 +56,12 @@ BENDS = ("position", "spread")
 """What two hinges sit by."""
 CRACK, CRACK_AT = "crack", "crack_at"
 """Compliance of a crack in the first plane, over that of the link there without it, and its place."""
+HARDLY = 1e-3
+"""s of a link that does not sway, about."""
+SEEN = 0.01
+"""s from which it is told how files have it."""
+STIFFER = 10.0
+"""How much stiffer against bending a link is that sways than one that bends as much, where fits start."""
 TWIST = 3.0
 """Stiffness against twist over that against bending, about: G J over E I, and more where little twists it."""
 
@@ -127,6 +136,10 @@ def _act(assembly: Assembly, placement: Placement) -> None:
             for ratio, parts in (planes if section.shears else ())
         ]
         found += [(pulled, spring / section.share) for pulled, spring in (*twist, *slides)]
+    for section in sway(placement, bending(placement)[0]):
+        for number, (_, parts) in enumerate(planes):
+            swaying = [(section.sways[plane], share) for plane, share in parts]
+            found.append((swaying, _swaying(placement, number)))
     rows = np.zeros((len(found), len(assembly.coordinates)))
     for number, (pulled, _) in enumerate(found):
         for name, share in pulled:
@@ -152,6 +165,12 @@ def _sliding(placement: Placement) -> float:
     """Stiffness of the whole link in shear [N/m]."""
     length, _ = along(placement.context, placement.where)
     return 12 * placement["stiffness"] / (placement["shear"] * length**2)
+
+
+def _swaying(placement: Placement, plane: int) -> float:
+    """Stiffness of the whole link against a sway in one plane [N/m]."""
+    length, _ = along(placement.context, placement.where)
+    return 12 * placement["stiffness"] / (placement[SWAYS[plane]] * length**2)
 
 
 def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hinge"]) -> list[_New]:
@@ -180,6 +199,10 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
             if section.shears:
                 sliding = ratio * _sliding(placement) / share
                 found.append(_New(f"{link}_shear_{end}", side, sliding, slides=True))
+    sways = hinge == len(places) // 2 and sway(placement, places)
+    for plane, (_, parts) in enumerate(_planes(placement) if sways else ()):
+        side = np.sum([share * across[number] for number, share in parts], axis=0)
+        found.append(_New(f"{link}_sway_{plane + 1}", side, _swaying(placement, plane), slides=True))
     for section, share in there:
         if section.twist:
             end = f"_{hinge + 1}" if len(section.cuts) > 1 else ""
@@ -192,6 +215,8 @@ def _extend(draft: Draft, placement: Placement) -> None:
     length, axis = along(context, link)
     time, names = placement["damping"] / placement["stiffness"], [link]
     places, _ = bending(placement)
+    if any(placement.values.get(name, 0.0) > SEEN for name in SWAYS):
+        draft.notes.append(f"the files have the sway of {link} as a slide halfway along it")
     for hinge, place in enumerate(places.tolist()):
         made = [replace(one, name=draft.fresh(one.name)) for one in _joints_at(placement, hinge, places)]
         slides = [one.name for one in made if one.slides]
@@ -210,10 +235,14 @@ def _extend(draft: Draft, placement: Placement) -> None:
 
 
 def _wider_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    space = context.normal is None
+    narrow = [one for one in _parameters(context, where) if one.name != "ratio"]
     found = (
-        *_parameters(context, where),
+        *narrow,
         signed(TUBE, "", 0.3, 0.0, 1.0, centre=1.0),
         signed(SPREAD, "", 0.3, 0.0, 1.0, centre=1.0),
+        *((positive("ratio", "", 1.0, 0.8, 1e-3, 1e3),) if space else ()),
+        *(positive(name, "", HARDLY, 3.0, 1e-7, 1e6) for name in SWAYS[: 1 + space]),
     )
     if fixed(context, where) is None:
         return found
@@ -226,11 +255,27 @@ def _wider_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _wider_starts(context: Context, where: str, values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
-    bodies = ((1.0, 1.0), (0.5, 0.8), (0.3, 0.2))
+    bodies, swaying = ((1.0, 1.0), (0.5, 0.8), (0.3, 0.2)), _that_sway(values)
     found = [{**values, TUBE: tube, SPREAD: spread} for tube, spread in bodies]
     moved = [{**values, SHIFT: shift, "spread": 0.1} for shift in (-0.5, 0.5)]
     cracked = [{**values, CRACK: 0.7, CRACK_AT: place, "spread": EVEN} for place in (0.2, 0.5, 0.8)]
-    return found if fixed(context, where) is None else [*found[:2], *moved, *cracked]
+    return [*found, *swaying] if fixed(context, where) is None else [*found[:2], *moved, *cracked, *swaying]
+
+
+def _that_sway(values: Mapping[str, float]) -> list[dict[str, float]]:
+    """As far off under a load at the end, and upright: in the first plane; in space the second, or both."""
+    place, spread = values["position"], values["spread"]
+    size = 12 * (place**2 + spread**2 * place * (1 - place))
+    first = {**values, **{name: STIFFER * values[name] for name in ("stiffness", "damping")}}
+    first[SWAYS[0]] = STIFFER * size
+    if "ratio" not in values:
+        return [first]
+    ratio = values["ratio"]
+    return [
+        {**first, "ratio": ratio / STIFFER},
+        {**values, "ratio": ratio * STIFFER, SWAYS[1]: size / ratio},
+        {**first, SWAYS[1]: STIFFER * size / ratio},
+    ]
 
 
 NARROW = Effect(

@@ -1,4 +1,4 @@
-"""How a link moves that bends, twists and shears, and how its body is shared out between its hinges."""
+"""How a link moves that bends, twists, shears and sways, and how its body is shared out to its hinges."""
 
 from __future__ import annotations
 
@@ -29,6 +29,8 @@ _Part = tuple[float, tuple[tuple[float, float], ...]]
 """Share of the length, and the cuts in it; see `Section`."""
 SHIFT = "shift"
 """Parameter of the wider law: see `hinges.shifted`."""
+SWAYS = ("sway", "second_sway")
+"""Likewise, one in each plane: far ends that shift and do not tilt, see `sway`."""
 KEPT = 64
 """Values of means and spreads whose shares are kept, and places of hinges whose sections are."""
 
@@ -74,6 +76,8 @@ class Section:
     """Its coordinate, if it twists."""
     shears: tuple[str, ...] = ()
     """Its coordinates, one in each plane, if it shears."""
+    sways: tuple[str, ...] = ()
+    """Likewise, if it sways: how far the end of the link shifts [m]."""
 
 
 def names_of(context: Context, where: str, count: int) -> list[str]:
@@ -143,13 +147,36 @@ def _pieces(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -
     return found
 
 
+def sway(placement: Placement, places: Float[np.ndarray, " hinge"]) -> tuple[Section, ...]:
+    """The link as a whole that bends to one side and back, if its law has that.
+
+    As each of two plates does that only their ends tie, and a column of a frame: where ξ is the part of the
+    length its end stays upright and it is shifted by 3 ξ² − 2 ξ³ of that, so that hinges of weights w turn by
+    w (6 − 12 ξ) over the length (Weaver and Gere, Matrix Analysis of Framed Structures, 3rd ed., 1990).
+
+    Args:
+        placement: of the effect; its place is the link.
+        places: of its hinges, as parts of the length.
+    """
+    context, where = placement.context, placement.where
+    if SWAYS[0] not in placement.values:
+        return ()
+    known = fixed(context, where)
+    weights = np.full(len(places), 1 / len(places)) if known is None else known[1]
+    turns = weights * (0.5 - places)
+    turns -= weights * turns.sum()  # the end stays upright wherever the hinges sit
+    turns /= turns @ (1 - places)
+    names = tuple(f"{where} {name}" for name in SWAYS[: planes_of(context)])
+    return (Section(1.0, tuple(zip(places.tolist(), turns.tolist(), strict=True)), sways=names),)
+
+
 def planes_of(context: Context) -> int:
     """In how many planes a link bends."""
     return 1 if context.normal is not None else 2
 
 
 def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarray, " hinge"]) -> None:
-    """Let a link bend at these parts of its length, and in space twist; shear where that can be seen.
+    """Let a link bend at these parts of its length, and in space twist; shear where that is seen, and sway.
 
     Args:
         assembly: the robot, its motions not complete yet.
@@ -159,8 +186,8 @@ def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarra
     context, where = placement.context, placement.where
     length, axis = along(context, where)
     axes, across = assembly.axes(where), sides(context, where, axis)
-    parts = sections(context, where, places)
-    own = [name for part in parts for name in (*part.twist, *part.shears)]
+    parts = (*sections(context, where, places), *sway(placement, places))
+    own = [name for part in parts for name in (*part.twist, *part.shears, *part.sways)]
     assembly.add_coordinates([*names_of(context, where, len(places)), *own])
 
     def cut(name: str, place: float, way: np.ndarray, *, turns: bool) -> None:
@@ -178,6 +205,8 @@ def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarra
                 cut(name, place, share * axis, turns=True)
             for name, side in zip(part.shears, across, strict=False):
                 cut(name, place, share * side, turns=False)
+            for name, side in zip(part.sways, across, strict=False):
+                cut(name, place, share / length * crossed(axis, side), turns=True)
 
 
 def cut_body(

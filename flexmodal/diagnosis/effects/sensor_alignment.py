@@ -86,8 +86,8 @@ MIRRORED = "mirrored"
 """From 0, nothing, to 1: the first axis the other way round, as with a turn two exchanged channels are."""
 FOLLOWING = "following"
 """Part of the turn of its link since the first posture that it has made too: 0 where it is as recorded."""
-FOLLOWED = (-0.8, -0.3, 0.3, 0.8)
-"""Of it, from which fits start."""
+FOLLOWED = (-1.0, -0.8, -0.5, -0.25, 0.25, 0.5, 0.8, 1.0)
+"""Of it, from which fits start; 0.8 is too far from 1 where links turn by a right angle."""
 ANY, QUARTER = 3.2, np.pi / 2
 """Angle up to which a sensor is turned by the wider law, and the turns of a cube from which fits start: what
 is mounted on another of its faces, or read by other cables."""
@@ -127,13 +127,11 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
 
     In a plane a turn of the world is one with the link.
     """
-    follows = [{**values, FOLLOWING: part} for part in FOLLOWED]
+    follows = [start for part in FOLLOWED for start in ({**values, FOLLOWING: part}, {FOLLOWING: part})]
     if context.normal is not None:
-        follows += [{**one, "angle": 0.0} for one in follows]
         quarters = [{**values, "angle": angle} for angle in (0.0, QUARTER, -QUARTER, 2 * QUARTER)]
         return [values, *follows, *({**one, MIRRORED: side} for side in (0.0, 1.0) for one in quarters)]
     upright = {f"angle_{axis}": 0.0 for axis in "xyz"}
-    follows += [{**one, **upright} for one in follows]
     leans = [{k.replace("angle", "lean"): v for k, v in one.items()} for one in _tilt_starts(context, where)]
     leaning = [{**beside, **lean} for beside in (values, upright) for lean in leans]
     cube = [dict(zip(upright, turn, strict=True)) for turn in _turns_of_a_cube()]

@@ -2,8 +2,9 @@
 
 It sits off the surface, and a part of its cable is taped to the link. At the next level it sits on a mount
 that gives, equally each way, while what is measured moves with the surface; and its cable hangs in the air
-and holds it, as a spring and a damper to the surroundings. ISO 5348 (mounting of accelerometers); McConnell
-and Varoto, Vibration Testing, 2nd ed., Wiley 2008, chapter 4 (cables).
+and holds it, as a spring and a damper to the surroundings, or is laid along the arm down to the base, a line
+of mass on each link. ISO 5348 (mounting of accelerometers); McConnell and Varoto, Vibration Testing, 2nd ed.,
+Wiley 2008, chapter 4 (cables).
 """
 
 from __future__ import annotations
@@ -26,6 +27,10 @@ MOUNTS = (0.5, 0.8, 1.2, 2.0, 4.0)
 """The same of a sensor on its mount."""
 RIGID = 50.0
 """The same of a mount that does not give."""
+LAID = (0.3, 1.5)
+"""Mass of a cable that is laid down the whole arm, over the sensor's, from which fits start."""
+LEAST = 0.05
+"""Length of an arm at least, for what a cable weighs a metre [m]."""
 COORDINATES = tuple(f"sensor mount {axis}" for axis in "xyz")
 """Of the mass against the surface."""
 
@@ -75,21 +80,49 @@ def _sensor_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 def _held_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     """A mount and a cable that do nothing in the band, unless the data ask for them."""
-    low, high = context.band
+    (low, high), mass = context.band, context.arm_mass / _whole_length(context)
     return (
         *_sensor_parameters(context, where),
         positive("mount_frequency", "Hz", RIGID * high, 1.5, low, 500 * high),
         positive("mount_damping_ratio", "", 0.05, 0.8, 1e-3, 2.0),
         positive("cable_frequency", "Hz", 1e-2 * low, 2.0, 1e-5 * low, 2 * high),
         positive("cable_damping_ratio", "", 0.2, 1.0, 1e-3, 20.0),
+        positive("line_mass", "kg/m", 1e-4 * mass, 2.0, 1e-7 * mass, 3 * mass),
     )
 
 
 def _held_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
     """Neither a cable nor a mount's resonance is found from where it does nothing."""
-    high = context.band[1]
+    high, length = context.band[1], _whole_length(context)
     hung: list[Mapping[str, float]] = [{**values, "cable_frequency": share * high} for share in HELD]
-    return hung + [{**values, "mount_frequency": share * high} for share in MOUNTS]
+    laid = [{**values, "line_mass": share * values["mass"] / length} for share in LAID]
+    return hung + [{**values, "mount_frequency": share * high} for share in MOUNTS] + laid
+
+
+def _whole_length(context: Context) -> float:
+    """Of the arm, joint by joint [m]."""
+    return max(sum(float(np.linalg.norm(joint.xyz)) for joint in context.robot.urdf.joints), LEAST)
+
+
+def _laid(context: Context, point: int) -> list[tuple[str, np.ndarray]]:
+    """Links from a point down to the base, and where on each the cable that comes from its frame ends."""
+    at, before = context.point(point), {joint.child: joint for joint in context.robot.urdf.joints}
+    found = [(at.link, np.array(at.xyz))]
+    while found[-1][0] in before:
+        joint = before[found[-1][0]]
+        found.append((joint.parent, np.array(joint.xyz)))
+    return found[:-1]
+
+
+def _lay(assembly: Assembly, placement: Placement) -> None:
+    """A line of mass on each link: of a thin rod m/6 moves with either end, and m/6 with the sum of both."""
+    for number in np.unique(placement.response[:, 0]).tolist():
+        here = (placement.response[:, 0] == number)[:, None, None]
+        for link, end in _laid(placement.context, number):
+            ends = [assembly.motion(link, place)[..., :3, :] for place in (np.zeros(3), end)]
+            rows = here * np.concatenate([*ends, ends[0] + ends[1]], axis=-2)
+            mass = placement["line_mass"] * float(np.linalg.norm(end))
+            assembly.add_together("mass", rows, np.full(rows.shape[-2], mass / 6))
 
 
 def _held_shape(assembly: Assembly, placement: Placement) -> None:
@@ -110,6 +143,7 @@ def _held(assembly: Assembly, placement: Placement) -> None:
         assembly.add_spring(moved, mass * hung**2)
         assembly.add_damper(moved, 2 * placement["cable_damping_ratio"] * mass * hung)
         _weigh_besides(assembly, placement, motion[:, k + 3], foot[:, k])
+    _lay(assembly, placement)
 
 
 HELD_SENSOR = Effect(
