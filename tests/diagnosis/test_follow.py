@@ -6,6 +6,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.effects.free_function import FreeFunction
@@ -706,8 +707,39 @@ def test_in_the_stead_of_a_foundation_what_sits_in_the_first_joint_is_tried(cont
         return [fitted(MASS, one) for one in every if (PORT_OF[one[0]], one[1]) in ports]
 
     data = FrfData.__new__(FrfData)
-    data.setup, data.asked = Mock(spec=Setup, context=context), asked
+    data.setup, data.asked, data.effects = (
+        Mock(spec=Setup, context=context),
+        asked,
+        tuple(catalogue().values()),
+    )
     data._candidates = Mock(spec=FrfCandidates, also_at=also_at)
+    assert {one.key for one in data.plainer(fitted(MASS), key)} == tried
+
+
+@pytest.mark.parametrize(
+    ("key", "asked", "tried"),
+    [
+        (("local_absorber", "link_2"), None, {("added_mass", "link_2")}),
+        (("local_absorber", MASS[1]), None, set()),  # there already
+        (("local_absorber", "link_2"), {"local_absorber": ("link_2",)}, set()),
+        (("bearing_flexibility", "q1"), None, set()),
+    ],
+)
+def test_in_the_stead_of_an_absorber_a_mass_in_its_place_is_tried(context, key, asked, tried):
+    """Below its band an absorber is a mass, so that it hangs on rounding which of both a fit ends in."""
+    every = [("added_mass", "link_1"), ("added_mass", "link_2"), MASS, ("sensor_mass", "sensor")]
+
+    def searched(less, number, allowed):
+        assert number == 1
+        return [fitted(MASS, one) for one in every if allowed(*one)]
+
+    data = FrfData.__new__(FrfData)
+    data.setup, data.asked, data.effects = (
+        Mock(spec=Setup, context=context),
+        asked,
+        tuple(catalogue().values()),
+    )
+    data._candidates = Mock(spec=FrfCandidates, searched=searched)
     assert {one.key for one in data.plainer(fitted(MASS), key)} == tried
 
 

@@ -158,11 +158,11 @@ class Data(ToldData[M], ABC, Generic[M]):
         return False
 
     def plainer(self, less: M, key: tuple[str, str]) -> list[M]:
-        """A model without one of its effects, with what is plainer and touches its place in its stead.
+        """A model without one of its effects, with what is plainer in its stead: what it comes down to, say.
 
         Args:
             less: the model without it.
-            key: its name and place; only of one that can do what many plainer ones do.
+            key: its name and place.
         """
         return []
 

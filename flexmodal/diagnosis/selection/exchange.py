@@ -111,7 +111,7 @@ def of_the_tied(data: Data[M], comparison: Comparison[M], step: Step) -> Compari
     """What was tied with one of several effects, where it is clearly more plausible beside the others.
 
     Of one that is less sure than not anything that was considered where it was looked for; of one that can do
-    much, what is plainer and touches its place.
+    much, what is plainer and touches its place; of one that is another one in a limit, that one.
 
     Args:
         data: that models are fitted to.

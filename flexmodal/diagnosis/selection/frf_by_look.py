@@ -102,11 +102,19 @@ class FrfsByLook(Data[FittedFrfs]):
         return best_of_each(found)
 
     def plainer(self, less: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
-        """See `Data`: in a foundation's stead what sits in the joints on it, whose turns it can do."""
-        if PORT_OF.get(key[0]) not in DOES_MUCH or self.asked is not None:
+        """See `Data`: in a foundation's stead what sits in the joints on it, whose turns it can do.
+
+        And what an effect comes down to in a limit, as an absorber does to a mass.
+        """
+        if self.asked is not None:
             return []
-        rigid = {one for one in on_base(self.setup.context) if one[0] in ("joint", "bearing")}
-        return self._candidates.also_at(less, len(less.hypothesis.keys), [], rigid)
+        number = len(less.hypothesis.keys)
+        if PORT_OF.get(key[0]) in DOES_MUCH:
+            rigid = {one for one in on_base(self.setup.context) if one[0] in ("joint", "bearing")}
+            return self._candidates.also_at(less, number, [], rigid)
+        simpler = {name for effect in self.effects if effect.name == key[0] for name in effect.simpler}
+        tried = {(name, key[1]) for name in simpler} - set(less.hypothesis.keys)
+        return self._candidates.searched(less, number, lambda *one: one in tried) if tried else []
 
     def leads_on(self, model: FittedFrfs) -> bool:
         """See `Data`."""
