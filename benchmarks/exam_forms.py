@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from exam_question import ARM, NAMED, OUTSIDE, ROBOTS, WHICH, Question
 
-from flexmodal.rig import BLIND, LATER, LOOKED_AT, SEALED, UNSEEN
+from flexmodal.rig import BLIND, FURTHER, LATER, LOOKED_AT, SEALED, UNSEEN
 
 ON_ARMS = 2
 """Campaigns of each form on drawn arms, beside one on a shipped robot."""
@@ -21,7 +21,10 @@ NOTHING, PAIRS, SEVERAL, UNKNOWN = 12, 12, 12, 8
 SPATIAL = "six_axis"
 ONLY_SPATIAL = {"link_flexibility:twisting"}
 """Forms that a chain in a plane has no place for."""
-TABLES = {"looked": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND}
+TABLES = {
+    "looked": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND,
+    "further": FURTHER,
+}  # fmt: skip
 
 
 def plan_forms(seed: int, which: str) -> list[Question]:

@@ -16,7 +16,7 @@ from flexmodal.files import whole_file
 
 FILES = {
     "rig": "exam", "mujoco": "exam_mujoco", "looked": "exam_looked", "sealed": "exam_sealed",
-    "unseen": "exam_unseen", "later": "exam_later", "blind": "exam_blind",
+    "unseen": "exam_unseen", "later": "exam_later", "blind": "exam_blind", "further": "exam_further",
 }  # fmt: skip
 PHYSICS = {
     "rig": "The virtual rig on",
@@ -30,6 +30,8 @@ PHYSICS = {
     "random arms and",
     "blind": "The virtual rig, effects in forms by an author who did not know how the diagnosis works, on "
     "random arms and",
+    "further": "The virtual rig, effects in forms by a second author who did not know how the diagnosis "
+    "works, on random arms and",
 }
 TELLS = 0.1
 """Height with all else re-tuned, over the noise of one record, below which a campaign does not tell of an

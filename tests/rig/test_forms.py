@@ -10,7 +10,19 @@ import pytest
 import flexmodal
 from flexmodal.campaign import read_campaign
 from flexmodal.errors import InvalidRequest
-from flexmodal.rig import BLIND, EFFECTS, FORMS, LATER, LOOKED_AT, SEALED, UNSEEN, Hide, hide_places, simulate
+from flexmodal.rig import (
+    BLIND,
+    EFFECTS,
+    FORMS,
+    FURTHER,
+    LATER,
+    LOOKED_AT,
+    SEALED,
+    UNSEEN,
+    Hide,
+    hide_places,
+    simulate,
+)
 from flexmodal.rig.effects.effect import OWN
 from flexmodal.rig.forms import find
 from flexmodal.rig.hammer_test import Conduct
@@ -57,7 +69,10 @@ def drawn(stand, key: str, seed: int = 1):
     return effect, Site(stand, where, effect.draw(stand, where, np.random.default_rng(seed)))
 
 
-TABLES = {"looked at": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND}
+TABLES = {
+    "looked at": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND,
+    "further": FURTHER,
+}  # fmt: skip
 
 
 def test_every_form_is_in_one_table():

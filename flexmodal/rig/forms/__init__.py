@@ -1,7 +1,7 @@
 """Every effect in several physical forms, and which of them may be looked at when a diagnosis is tuned.
 
 `FORMS[name]["own"]` is the effect as the rig has always had it. Forms of one effect share its name, and
-nothing of their laws. Those `SEALED`, `UNSEEN`, `LATER` and `BLIND` are for exams alone.
+nothing of their laws. Those `SEALED`, `UNSEEN`, `LATER`, `BLIND` and `FURTHER` are for exams alone.
 """
 
 from __future__ import annotations
@@ -15,6 +15,10 @@ from flexmodal.rig.forms import (
     base_pedestal,
     bearing_flexibility,
     coulomb_friction,
+    further_bodies,
+    further_drives,
+    further_joints,
+    further_sensors,
     joint_coupling,
     joint_remote,
     link_flexibility,
@@ -34,7 +38,8 @@ for _room in (
     link_flexibility, base_flexibility, servo_compliance, structural_damping, coulomb_friction,
     nonlinear_stiffness, joint_coupling, added_mass, local_absorber, sensor_mass, sensors,
     sensor_alignment, bearing_flexibility, base_carriage, base_pedestal, base_gantry,
-    link_plates, joint_remote,
+    link_plates, joint_remote, further_bodies, further_drives, further_joints,
+    further_sensors,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect
@@ -127,6 +132,24 @@ BLIND: dict[str, tuple[str, ...]] = {
     "bearing_flexibility": ("pinion",),
 }
 """Likewise, by an author who did not know how the diagnosis works."""
+
+FURTHER: dict[str, tuple[str, ...]] = {
+    "link_flexibility": ("layered",),
+    "base_flexibility": ("table",),
+    "servo_compliance": ("belted",),
+    "structural_damping": ("oscillators",),
+    "coulomb_friction": ("cylinder",),
+    "nonlinear_stiffness": ("slack",),
+    "joint_coupling": ("seat",),
+    "added_mass": ("hanging",),
+    "local_absorber": ("rocking",),
+    "sensor_mass": ("held",),
+    "sensor_gain": ("hum",),
+    "time_delay": ("taken_out",),
+    "sensor_misalignment": ("round",),
+    "bearing_flexibility": ("overhung",),
+}
+"""Likewise, by a second author who did not know how the diagnosis works."""
 
 
 def find(name: str, form: str = "own") -> Effect:

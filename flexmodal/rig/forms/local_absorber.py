@@ -13,8 +13,13 @@ from flexmodal.rig.plant.geometry import across
 from flexmodal.rig.plant.plant import Branch
 
 
-def _ways(assembly: PlantAssembly, site: Site) -> tuple[np.ndarray, np.ndarray]:
-    """The direction of the mass and one across it, in the plane of a planar chain; world axes."""
+def ways(assembly: PlantAssembly, site: Site) -> tuple[np.ndarray, np.ndarray]:
+    """The direction of the mass and one across it, in the plane of a planar chain; world axes.
+
+    Args:
+        assembly: the plant in the making.
+        site: the link, and the direction as dx, dy, dz.
+    """
     axes = assembly.orientation(site.where)
     way = site.vector("dx", "dy", "dz")
     way = way / np.linalg.norm(way)
@@ -24,7 +29,13 @@ def _ways(assembly: PlantAssembly, site: Site) -> tuple[np.ndarray, np.ndarray]:
     return axes @ way, axes @ across(way, normal)[0]
 
 
-def _coordinates(assembly: PlantAssembly, count: int) -> list[np.ndarray]:
+def coordinates(assembly: PlantAssembly, count: int) -> list[np.ndarray]:
+    """Rows of new coordinates.
+
+    Args:
+        assembly: the plant in the making.
+        count: how many.
+    """
     names = [f"absorber {len(assembly.coordinates) + k}" for k in range(count)]
     assembly.add_coordinates(names)
     return [assembly.row(name) for name in names]
@@ -43,8 +54,8 @@ def _spring(assembly: PlantAssembly, row: np.ndarray, mass: float, frequency: fl
 
 
 def _act_two_way(assembly: PlantAssembly, site: Site) -> None:
-    first, second = _ways(assembly, site)
-    one, other = _coordinates(assembly, 2)
+    first, second = ways(assembly, site)
+    one, other = coordinates(assembly, 2)
     moved = np.outer(first, one) + np.outer(second, other)
     _hang(assembly, site.where, site.vector("x", "y", "z"), site["mass"], moved)
     _spring(assembly, one, site["mass"], site["frequency"], site["damping_ratio"])
@@ -53,9 +64,9 @@ def _act_two_way(assembly: PlantAssembly, site: Site) -> None:
 
 def _act_pendulum(assembly: PlantAssembly, site: Site) -> None:
     """A body on an arm that turns about a hinge; the arm points along `d`, the hinge lies across."""
-    arm, sweep = _ways(assembly, site)
+    arm, sweep = ways(assembly, site)
     axis, length, mass = np.cross(arm, sweep), site["arm"], site["mass"]
-    (own,) = _coordinates(assembly, 1)
+    (own,) = coordinates(assembly, 1)
     axes = assembly.orientation(site.where)
     hinge = site.vector("x", "y", "z")
     _hang(assembly, site.where, hinge + length * (axes.T @ arm), mass, length * np.outer(sweep, own))
@@ -67,10 +78,10 @@ def _act_pendulum(assembly: PlantAssembly, site: Site) -> None:
 
 def _act_twin(assembly: PlantAssembly, site: Site) -> None:
     """The second hangs at the first one's place and swings across it."""
-    first, second = _ways(assembly, site)
+    first, second = ways(assembly, site)
     place = site.vector("x", "y", "z")
     for way, share, factor in ((first, 1 - site["share"], 1.0), (second, site["share"], site["second"])):
-        (own,) = _coordinates(assembly, 1)
+        (own,) = coordinates(assembly, 1)
         mass = share * site["mass"]
         _hang(assembly, site.where, place, mass, np.outer(way, own))
         _spring(assembly, own, mass, factor * site["frequency"], site["damping_ratio"])
@@ -78,8 +89,8 @@ def _act_twin(assembly: PlantAssembly, site: Site) -> None:
 
 def _act_rubber(assembly: PlantAssembly, site: Site) -> None:
     """A spring beside a Maxwell element whose loss is largest where the mass would swing."""
-    way, _ = _ways(assembly, site)
-    (own,) = _coordinates(assembly, 1)
+    way, _ = ways(assembly, site)
+    (own,) = coordinates(assembly, 1)
     _hang(assembly, site.where, site.vector("x", "y", "z"), site["mass"], np.outer(way, own))
     omega, strength = 2 * np.pi * site["frequency"], site["relaxing"]
     static = site["mass"] * omega**2 / (1 + strength / 2)
@@ -97,7 +108,7 @@ def _act_whip(assembly: PlantAssembly, site: Site) -> None:
 
     Mass and first moment are the beam's.
     """
-    one, up = _ways(assembly, site)
+    one, up = ways(assembly, site)
     axes, place, mass = assembly.orientation(site.where), site.vector("x", "y", "z"), site["mass"]
     left = 1 - sum(part for _, part, _ in WHIP)
     height = (0.5 - sum(part * high for _, part, high in WHIP)) / left
@@ -109,7 +120,7 @@ def _act_whip(assembly: PlantAssembly, site: Site) -> None:
     for side in (one, np.cross(one, up))[: 1 if assembly.normal is not None else 2]:
         assembly.add_inertia(side @ moved(height), left * mass)
         for times, part, high in WHIP:
-            (own,) = _coordinates(assembly, 1)
+            (own,) = coordinates(assembly, 1)
             assembly.add_inertia(side @ moved(high) + own, part * mass)
             _spring(assembly, own, part * mass, times * site["frequency"], site["damping_ratio"])
 
@@ -120,7 +131,7 @@ def _act_string(assembly: PlantAssembly, site: Site) -> None:
     Of mode n, n times as fast as the first, 8/(π n)² of the mass moves at its middle where n is odd; where n
     is even 24/(π n)² of the moment of inertia of a rod turns about the middle.
     """
-    way, one = _ways(assembly, site)
+    way, one = ways(assembly, site)
     mass, length = site["mass"], site["length"]
     inertia = mass * length**2 / 12
 
@@ -132,7 +143,7 @@ def _act_string(assembly: PlantAssembly, site: Site) -> None:
     for side in (one, np.cross(way, one))[: 1 if assembly.normal is not None else 2]:
         left = [mass, inertia]
         for number in (1, 2, 3):
-            (own,) = _coordinates(assembly, 1)
+            (own,) = coordinates(assembly, 1)
             even = 1 - number % 2
             part = (inertia * 24 if even else mass * 8) / (np.pi * number) ** 2
             left[even] -= part
@@ -144,9 +155,9 @@ def _act_string(assembly: PlantAssembly, site: Site) -> None:
 
 def _act_stacked(assembly: PlantAssembly, site: Site) -> None:
     """The second mass hangs on the first, not on the link; both swing the same way."""
-    way, _ = _ways(assembly, site)
+    way, _ = ways(assembly, site)
     place, omega = site.vector("x", "y", "z"), site["frequency"]
-    one, other = _coordinates(assembly, 2)
+    one, other = coordinates(assembly, 2)
     outer, inner = (1 - site["share"]) * site["mass"], site["share"] * site["mass"]
     _hang(assembly, site.where, place, outer, np.outer(way, one))
     _hang(assembly, site.where, place, inner, np.outer(way, one + other))

@@ -17,9 +17,11 @@ from flexmodal.rig.plant.plant import Branch
 from flexmodal.rig.sensing import Sensor
 
 
-def _everywhere(
+def everywhere(
     load: Callable[[PlantAssembly, CampaignPoint, Site], None],
 ) -> Callable[[dict[str, Sensor], Site], None]:
+    """The same load on whatever point carries the sensor."""
+
     def sense(sensors: dict[str, Sensor], site: Site) -> None:
         for sensor in sensors.values():
             sensor.loads.append(lambda assembly, point: load(assembly, point, site))
@@ -130,7 +132,7 @@ BLOCK: Effect = replace(
     units={"mass": "kg", "height": "m"},
     draw=drawing(OWN.draw, height=(0.03, 0.12)),
     check=positive("mass", "height"),
-    sense=_everywhere(_block),
+    sense=everywhere(_block),
 )
 CABLE: Effect = replace(
     OWN,
@@ -142,7 +144,7 @@ CABLE: Effect = replace(
     check=lambda p: (
         positive("mass")(p) or (None if p["share"] < 1 else f"share = {p['share']:g}, where below 1")
     ),
-    sense=_everywhere(_cable),
+    sense=everywhere(_cable),
 )
 SPRUNG: Effect = replace(
     OWN,
@@ -152,7 +154,7 @@ SPRUNG: Effect = replace(
     units={"mass": "kg", "frequency": "Hz, of the mass on its mount", "damping_ratio": ""},
     draw=_draw_sprung,
     check=positive("mass", "frequency"),
-    sense=_everywhere(_sprung),
+    sense=everywhere(_sprung),
 )
 DRAGGED: Effect = replace(
     OWN,
@@ -163,7 +165,7 @@ DRAGGED: Effect = replace(
     draw=drawing(OWN.draw, frequency=(1.0, 4.0), damping_ratio=(0.1, 0.5)),
     scaled=multiplied("mass"),
     check=positive("mass", "frequency"),
-    sense=_everywhere(_dragging),
+    sense=everywhere(_dragging),
 )
 
 BRACKET: Effect = replace(
@@ -174,7 +176,7 @@ BRACKET: Effect = replace(
     units={**SPRUNG.units, "height": "m"},
     draw=_draw_bracket,
     check=positive("mass", "frequency", "height"),
-    sense=_everywhere(_bracket),
+    sense=everywhere(_bracket),
 )
 TAPED: Effect = replace(
     SPRUNG,
@@ -188,7 +190,7 @@ TAPED: Effect = replace(
     },
     draw=_draw_taped,
     check=positive("mass", "frequency", "relaxing"),
-    sense=_everywhere(_taped),
+    sense=everywhere(_taped),
 )
 ALONG_ARM: Effect = replace(
     OWN,
@@ -199,7 +201,7 @@ ALONG_ARM: Effect = replace(
     draw=_draw_along_arm,
     scaled=multiplied("mass", "line_mass"),
     check=positive("mass", "line_mass"),
-    sense=_everywhere(_along_arm),
+    sense=everywhere(_along_arm),
 )
 
 FORMS = (BLOCK, CABLE, SPRUNG, DRAGGED, BRACKET, TAPED, ALONG_ARM)

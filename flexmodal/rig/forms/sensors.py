@@ -25,7 +25,9 @@ from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.sensing import Filter, Sensor
 
 
-def _filtering(made: Callable[[Site], Filter]) -> Callable[[dict[str, Sensor], Site], None]:
+def filtering(made: Callable[[Site], Filter]) -> Callable[[dict[str, Sensor], Site], None]:
+    """One more filter of the sensor on a point."""
+
     def sense(sensors: dict[str, Sensor], site: Site) -> None:
         sensors[site.where].filters.append(made(site))
 
@@ -98,7 +100,7 @@ AGED: Effect = replace(
     scaled=multiplied("exponent"),
     most=lambda parameters: 0.4 / max(parameters["exponent"], 1e-9),
     check=within(exponent=(0.0, 0.4)),
-    sense=_filtering(_ageing),
+    sense=filtering(_ageing),
 )
 AC_COUPLED: Effect = replace(
     SENSOR_GAIN,
@@ -110,7 +112,7 @@ AC_COUPLED: Effect = replace(
     scaled=multiplied("corner"),
     most=lambda parameters: 20.0,
     check=positive("corner"),
-    sense=_filtering(_coupled),
+    sense=filtering(_coupled),
 )
 MOUNTED: Effect = replace(
     SENSOR_GAIN,
@@ -122,7 +124,7 @@ MOUNTED: Effect = replace(
     scaled=divided("resonance"),
     most=lambda parameters: 3.0,
     check=positive("resonance", "damping_ratio"),
-    sense=_filtering(_resonant),
+    sense=filtering(_resonant),
 )
 AMPLIFIER: Effect = replace(
     AC_COUPLED,
@@ -133,7 +135,7 @@ AMPLIFIER: Effect = replace(
     scaled=multiplied("corner", "error"),
     most=lambda parameters: min(10.0, 0.7 / max(abs(parameters["error"]), 1e-9)),
     check=each(positive("corner"), within(error=(-0.9, 9.0))),
-    sense=_filtering(_second_order),
+    sense=filtering(_second_order),
 )
 
 SHELF: Effect = replace(
@@ -146,7 +148,7 @@ SHELF: Effect = replace(
     scaled=multiplied("error"),
     most=lambda parameters: 0.7 / max(abs(parameters["error"]), 1e-9),
     check=each(positive("corner"), within(error=(-0.9, 9.0))),
-    sense=_filtering(_shelf),
+    sense=filtering(_shelf),
 )
 
 
@@ -255,7 +257,7 @@ def _late(form: str, says: str, source: str, made: Callable[[Site], Filter], lon
         scaled=multiplied("time"),
         most=lambda parameters: 0.02 / max(parameters["time"], 1e-9),
         check=within(time=(0.0, 0.021)),
-        sense=_filtering(made),
+        sense=filtering(made),
     )
 
 
