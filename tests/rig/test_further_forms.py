@@ -9,7 +9,7 @@ from flexmodal.rig.forms.further_drives import oscillators
 from flexmodal.rig.forms.further_joints import lever
 from flexmodal.rig.hammer_test import Conduct, h1, strike_posture
 from flexmodal.rig.plant.build import build, sensors
-from flexmodal.rig.plant.geometry import turn
+from flexmodal.rig.plant.geometry import across, turn
 
 from .conftest import pulled, put
 
@@ -221,7 +221,7 @@ def test_a_sensor_farther_round_a_tube_looks_along_its_radius(bars, stand, hidde
     assert np.linalg.norm(sensor.offset) == pytest.approx(2 * 0.12 * np.sin(0.15))
     assert sensor.offset @ axis == pytest.approx(0.0, abs=1e-12)
     outward = np.linalg.solve(turned - np.eye(3) + np.outer(axis, axis), sensor.offset)
-    assert np.linalg.norm(outward) == pytest.approx(0.12)
+    np.testing.assert_allclose(outward, 0.12 * turn(axis, 0.8) @ across(axis, None)[0], atol=1e-12)
     quiet = Conduct(noise=0.0, scatter=0.0)
     found = h1(strike_posture(bench, bench.plan.postures[0], [spec], quiet))[0][0, 0, 0]
     plain = h1(strike_posture(bench, bench.plan.postures[0], [], quiet))[0][0, 0, 0]
