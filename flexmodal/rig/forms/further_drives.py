@@ -20,6 +20,7 @@ from flexmodal.rig.effects.effect import (
 )
 from flexmodal.rig.effects.joint_coupling import EFFECT as COUPLING
 from flexmodal.rig.effects.servo_compliance import EFFECT as SERVO
+from flexmodal.rig.forms.joint_coupling import ROD
 from flexmodal.rig.forms.maxwell_rows import middle
 from flexmodal.rig.forms.structural_damping import ZENER
 from flexmodal.rig.plant.assembly import PlantAssembly
@@ -188,6 +189,8 @@ SEAT: Effect = replace(
         "inertia": "kg·m²",
         "damping_time": "s",
     },
+    places=ROD.places,
+    place_is=ROD.place_is,
     draw=_draw_seat,
     scaled=divided("seat_stiffness"),
     most=lambda parameters: 30.0,
