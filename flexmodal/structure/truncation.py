@@ -18,6 +18,7 @@ import numpy as np
 from jaxtyping import Bool, Complex
 from scipy.linalg import expm
 
+from flexmodal.errors import SingularResponse
 from flexmodal.modal import NO_MODES
 from flexmodal.structure.definite import is_definite
 from flexmodal.structure.poles import poles
@@ -78,6 +79,9 @@ def missing_of(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
         Δα(s) = e^{−sT} (−y_uᵀ [M ẋ + (C + s M) x] + u x/s + u ẋ/s²),
 
     without the last term for a velocity sensor and the last two for one of displacement. Both are the same.
+
+    Raises:
+        SingularResponse: what rings up beyond any number within a record.
     """
     many, axis, entries = found.structures, found.axis, found.entries
     if many.loss_factor:
@@ -112,7 +116,10 @@ def missing_of(found: Solved) -> Complex[np.ndarray, "entry line"] | None:
         value += np.einsum("en,en->e", rows, x[system, :, k])[:, None] / s
     if axis.power == 2:
         value += np.einsum("en,en->e", rows, v[system, :, k])[:, None] / s**2
-    return np.asarray(value * np.exp(-s * length))
+    lost = np.asarray(value * np.exp(-s * length))
+    if not np.isfinite(lost).all():
+        raise SingularResponse("the structure rings up beyond any number within a record")
+    return lost
 
 
 def _viscous(many: Structures, axis: Axis) -> Structures:

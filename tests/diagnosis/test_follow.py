@@ -25,6 +25,7 @@ from flexmodal.diagnosis.selection import (
     in_its_stead,
     looks_beside,
     searches_beside,
+    wider_laws,
 )
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.data import Data
@@ -463,11 +464,11 @@ def fitted(*keys):
 )
 def test_a_law_that_follows_its_kind_closely_has_to_leave_less(monkeypatch, closely, over, expected):
     """What it leaves above that counts as something else, so that its wider law is tried first."""
-    monkeypatch.setattr(frf_candidates, "over_noise", lambda *given: over)
+    monkeypatch.setattr(wider_laws, "over_noise", lambda *given: over)
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), fitted(), with_force=False)
     model = fitted(DELAY, MASS)
     model.hypothesis.placed[-1].effect = Mock(spec=Effect, comes_close=closely)
-    assert candidates._is_enough(model) is expected
+    assert candidates.is_enough(model) is expected
 
 
 @pytest.mark.parametrize(
@@ -1040,11 +1041,12 @@ def test_beside_effects_what_was_found_in_time_goes_on(monkeypatch, beside):
     before.cost = 1.0
     monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: found)
     monkeypatch.setattr(frf_candidates, "from_each_start", cut_off)
-    for module in (frf_candidates, searches_beside):
+    for module in (frf_candidates, searches_beside, wider_laws):
         monkeypatch.setattr(module, "starts", lambda *given: None)
     monkeypatch.setattr(frf_candidates, "pointed_to", lambda *given: [])
     monkeypatch.setattr(frf_candidates, "nearer", lambda *given: [])
-    monkeypatch.setattr(frf_candidates, "over_noise", lambda *given: 9.0)
+    for module in (frf_candidates, wider_laws):
+        monkeypatch.setattr(module, "over_noise", lambda *given: 9.0)
     candidates = FrfCandidates(Mock(spec=Setup, effects=(), advance=Mock()), fitted(), with_force=False)
     alone = Mock(spec=Found, port="body", where=MASS[1], alike=(), curve=None, has=lambda *key: True)
     look = Mock(spec=Findings, explains=True, found=(alone,), needed=True, fitted=None, left=1.0, places=())
@@ -1065,7 +1067,8 @@ def test_beside_the_same_effects_is_searched_again_only_from_nearer(monkeypatch,
         return [Mock(spec=FittedFrfs, key=("added_mass", str(len(made))), cost=1.0)]
 
     monkeypatch.setattr(searches_beside, "explanations", searched)
-    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
+    monkeypatch.setattr(wider_laws, "left", lambda *given: 1.0)
+    monkeypatch.setattr(wider_laws, "over_noise", lambda *given: 1.0)
     first, other = (
         Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=keys), x=np.zeros(0), cost=each)
         for keys, each in (((MASS, DELAY), 1.0), ((DELAY, MASS), cost))
@@ -1121,15 +1124,15 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
         asked.extend(key for key in every if allowed(*key))
         return [model(key, over[key], "wide") for key in sorted(asked, key=lambda one: over[one])]
 
-    def at_next_level(setup, one, set_out, is_enough):
+    def at_next_level(setup, one, *, set_out, is_enough, unsure):
         assert set_out.told is told
         widened.append(one.key)
         return [model(one.key, 5.4 if one.key == FEET else 7.6)]
 
     monkeypatch.setattr(frf_starts, "over_noise", lambda setup, one: one.over)
-    monkeypatch.setattr(frf_candidates, "left", lambda setup, before, one: 1 - takes)
-    monkeypatch.setattr(frf_candidates, "at_next_level", at_next_level)
-    monkeypatch.setattr(frf_candidates, "starts", lambda *given: Mock(told=told))
+    monkeypatch.setattr(wider_laws, "left", lambda setup, before, one: 1 - takes)
+    monkeypatch.setattr(wider_laws, "at_next_level", at_next_level)
+    monkeypatch.setattr(wider_laws, "starts", lambda *given: Mock(told=told))
     candidates = FrfCandidates.__new__(FrfCandidates)
     coupling = Mock(spec=Effect, places=lambda context: ("q1+q2", "q2+q3"))
     coupling.name = "joint_coupling"
@@ -1140,7 +1143,7 @@ def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_
     first = [model(("local_absorber", "link_3"), 7.7)]
     first += [model(key, 7.8, "wide") for key in forced] if takes < 0.33 and beside else []
     before = fitted(DELAY) if beside else fitted()
-    found = candidates._with_wider_laws(before, 1, first, Mock(spec=Findings, places=places))
+    found = candidates.with_wider_laws(before, 1, first, Mock(spec=Findings, places=places, explains=True))
     assert [one.key for one in found] == expected
     more = takes < 0.33 and beside
     assert asked == ([FEET, ("joint_coupling", "q1+q2"), RODS] if more else [])

@@ -17,7 +17,7 @@ from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
-from flexmodal.diagnosis.selection import frf_candidates, searches_beside
+from flexmodal.diagnosis.selection import frf_candidates, searches_beside, wider_laws
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED, LAW_LEAVES
@@ -153,9 +153,7 @@ def test_each_effect_gets_its_wider_law_from_where_the_joint_fit_is(fits, monkey
     misfit = replace(narrow.fitted.misfit, model=both)
     joint = replace(narrow, key=mass.key, hypothesis=both, fitted=replace(narrow.fitted, x=x, misfit=misfit))
     tried = []
-    monkeypatch.setattr(
-        frf_candidates, "at_next_level", lambda setup, one, *more: tried.append(one) or [narrow]
-    )
+    monkeypatch.setattr(wider_laws, "at_next_level", lambda setup, one, **more: tried.append(one) or [narrow])
     candidates = FrfCandidates(setup, narrow, with_force=False)
     assert candidates.wider(joint, [mass.key]) == []
     assert candidates.wider(joint, joint.hypothesis.keys) == [narrow]
@@ -172,9 +170,8 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
     """At the place that a look points to; that free functions explain it no better there says nothing."""
     setup, _, narrow = fits
     wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
-    monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: [narrow])
-    monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
-    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
+    monkeypatch.setattr(wider_laws, "at_next_level", lambda *given, **more: [wider])
+    monkeypatch.setattr(wider_laws, "left", lambda *given: 1.0)
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
@@ -183,8 +180,7 @@ def test_wider_laws_are_tried_where_the_law_is_to_blame(fits, monkeypatch, part,
         left=part * over_noise(setup, narrow) / LAW_LEAVES,
         met=lambda keys: {keys[0]: None} if met else {},
     )  # fmt: skip
-    candidates.looks = Mock(one=look)
-    assert candidates.at_places(root, 0, look, lambda one: False) == [wider if tried else narrow]
+    assert candidates.at_next_levels(root, [narrow], look) == [wider if tried else narrow]
 
 
 @pytest.mark.parametrize(
@@ -197,15 +193,15 @@ def test_a_law_that_takes_too_little_where_one_place_explains_it_is_widened(
     """Where little is missing what it leaves may be near the noise, and yet most of what there was."""
     setup, _, narrow = fits
     wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
-    monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
-    monkeypatch.setattr(frf_candidates, "left", lambda *given: part)
+    monkeypatch.setattr(wider_laws, "at_next_level", lambda *given, **more: [wider])
+    monkeypatch.setattr(wider_laws, "left", lambda *given: part)
     root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
     look = Mock(
         spec=Findings, explains=explains, found=(BASE,), needed=False, fitted=None,
         left=over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
     )  # fmt: skip
-    assert candidates._at_next_levels(root, [narrow], look) == [wider if tried else narrow]
+    assert candidates.at_next_levels(root, [narrow], look) == [wider if tried else narrow]
 
 
 @pytest.mark.parametrize(
@@ -219,18 +215,18 @@ def test_a_law_that_is_enough_stays_unless_the_curve_is_of_another_ones_class(
     lag = Mock(spec=FittedFrfs, key=("time_delay", "point_1"), cost=narrow.cost)
     gain = Mock(spec=FittedFrfs, key=("sensor_gain", "point_1"), cost=2 * narrow.cost)
     wider = Mock(spec=FittedFrfs, key=gain.key, cost=narrow.cost / 2)
-    monkeypatch.setattr(frf_candidates, "at_next_level", lambda setup, one, *given: [wider][: one is gain])
-    monkeypatch.setattr(frf_candidates, "left", lambda setup, before, one: 0.1 if one is lag else 0.9)
-    monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, one: 1.3 if one is lag else 5.0)
+    monkeypatch.setattr(wider_laws, "at_next_level", lambda setup, one, **more: [wider][: one is gain])
+    monkeypatch.setattr(wider_laws, "left", lambda setup, before, one: 0.1 if one is lag else 0.9)
+    monkeypatch.setattr(wider_laws, "over_noise", lambda setup, one: 1.3 if one is lag else 5.0)
     root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
-    candidates._is_enough = lambda model: model is lag
+    candidates.is_enough = lambda model: model is lag
     look = Mock(
         spec=Findings, explains=True, found=(Mock(port="sensor", classes=classes),), needed=False,
         fitted=None, left=0.6,
         met=lambda keys: {keys[0]: None} if allowed or keys[0] == gain.key else {},
     )  # fmt: skip
-    found = candidates._at_next_levels(root, [lag, gain], look)
+    found = candidates.at_next_levels(root, [lag, gain], look)
     assert found == ([wider, lag] if tried else [lag, gain])
 
 
@@ -239,16 +235,16 @@ def test_no_narrow_law_is_enough_where_only_wide_ones_do_what_was_found(fits, mo
     """Others may leave as little as the functions of a rod do while more is missing, but are none."""
     setup, _, narrow = fits
     wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
-    monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
-    monkeypatch.setattr(frf_candidates, "left", lambda *given: 0.4)
+    monkeypatch.setattr(wider_laws, "at_next_level", lambda *given, **more: [wider])
+    monkeypatch.setattr(wider_laws, "left", lambda *given: 0.4)
     root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
-    candidates._is_enough = lambda model: False
+    candidates.is_enough = lambda model: False
     look = Mock(
         spec=Findings, explains=True, found=(Mock(port=port),), needed=False, fitted=None,
         left=over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
     )  # fmt: skip
-    assert candidates._at_next_levels(root, [narrow], look) == [wider if tried else narrow]
+    assert candidates.at_next_levels(root, [narrow], look) == [wider if tried else narrow]
 
 
 @pytest.mark.parametrize(("there", "searches"), [(True, 1), (False, 2)])
@@ -313,12 +309,12 @@ def test_a_law_that_takes_all_but_a_little_is_widened_wherever_a_look_points(
     """If that leaves nothing: else something small may be missing besides, of which it would take a part."""
     setup, _, narrow = fits
     wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
-    monkeypatch.setattr(frf_candidates, "at_next_level", lambda *given: [wider])
-    monkeypatch.setattr(frf_candidates, "left", lambda *given: part)
+    monkeypatch.setattr(wider_laws, "at_next_level", lambda *given, **more: [wider])
+    monkeypatch.setattr(wider_laws, "left", lambda *given: part)
     root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=placed, keys=placed), x=np.zeros(0))
     candidates = FrfCandidates(setup, narrow, with_force=False)
-    candidates._is_enough = lambda model: model is wider and enough
-    assert candidates._at_last(root, [narrow]) == [wider if tried else narrow]
+    candidates.is_enough = lambda model: model is wider and enough
+    assert candidates.at_last(root, [narrow]) == [wider if tried else narrow]
 
 
 @pytest.mark.parametrize(
@@ -330,7 +326,7 @@ def test_where_others_leave_less_than_what_was_found_all_starts_are_followed(
     """Unless an effect leaves nothing in the place that was found; elsewhere it says nothing of that one."""
     setup, _, narrow = fits
     followed = []
-    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
+    monkeypatch.setattr(wider_laws, "left", lambda *given: 1.0)
     monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: [narrow])
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: followed.extend(given[3]) or [])
     monkeypatch.setattr(frf_candidates, "pointed_to", lambda *given: [])
@@ -338,7 +334,7 @@ def test_where_others_leave_less_than_what_was_found_all_starts_are_followed(
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
-    candidates._is_enough = lambda model: enough
+    candidates.is_enough = lambda model: enough
     look = Mock(
         spec=Findings, explains=True, found=(), needed=False, fitted=None, left=1e9, is_at=lambda keys: at
     )
@@ -368,7 +364,7 @@ def test_beside_what_is_enough_a_plainer_effect_at_the_place_found_is_followed(f
     """A foundation passed for a motor, whose fit had come to another minimum."""
     setup, _, narrow = fits
     enough, followed = replace(narrow, key=("sensor_gain", "tip")), []
-    monkeypatch.setattr(frf_candidates, "left", lambda *given: 0.0)
+    monkeypatch.setattr(wider_laws, "left", lambda *given: 0.0)
     monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: [enough])
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: followed.extend(given[3]) or [])
     monkeypatch.setattr(frf_candidates, "pointed_to", lambda *given: [key])
@@ -379,7 +375,7 @@ def test_beside_what_is_enough_a_plainer_effect_at_the_place_found_is_followed(f
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(given, root, with_force=False)
-    candidates._is_enough = lambda model: True
+    candidates.is_enough = lambda model: True
     look = Mock(
         spec=Findings, explains=True, found=(BASE,), needed=False, fitted=None, left=1e9,
         is_at=lambda keys: True,
@@ -394,12 +390,12 @@ def test_no_law_is_widened_where_another_one_of_the_place_is_wide_enough(fits, m
     setup, _, narrow = fits
     close = replace(narrow, key=("sensor_gain", "tip"), predicted=setup.observations.value)
     monkeypatch.setattr(searches_beside, "explanations", lambda *given, **more: [close, narrow])
-    monkeypatch.setattr(frf_candidates, "at_next_level", Mock(side_effect=AssertionError("widened")))
-    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
+    monkeypatch.setattr(wider_laws, "at_next_level", Mock(side_effect=AssertionError("widened")))
+    monkeypatch.setattr(wider_laws, "left", lambda *given: 1.0)
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
-    candidates._is_enough = lambda model: False
+    candidates.is_enough = lambda model: False
     look = Mock(
         spec=Findings, explains=False, found=(BASE,), needed=False, fitted=None,
         left=0.1 * over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
@@ -423,6 +419,7 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
 
     Where it touches the one that a look points to, the look need not have come to it at all.
     """
+    monkeypatch.setattr(wider_laws, "likely_wider", lambda *given: [])
     setup, _, narrow = fits
     other = Mock(spec=FittedFrfs, key=("bearing_flexibility", "q1"), cost=narrow.cost / 2)
     searched = []
@@ -433,7 +430,7 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
 
     monkeypatch.setattr(searches_beside, "explanations", looked_for)
     monkeypatch.setattr(frf_candidates, "from_each_start", lambda *given: [])
-    monkeypatch.setattr(frf_candidates, "left", lambda *given: 1.0)
+    monkeypatch.setattr(wider_laws, "left", lambda *given: 1.0)
     bare = Mock(base=(), placed=(), keys=())
     root = Mock(spec=FittedFrfs, hypothesis=bare, x=np.zeros(0), cost=1.0)
     candidates = FrfCandidates(setup, root, with_force=False)
@@ -451,3 +448,46 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
     assert len(searched) == 1 + tried
     assert not tried or not searched[1]("bearing_flexibility", "q2")
     assert not tried or not searched[1](*narrow.key)
+
+
+@pytest.mark.parametrize(
+    ("explains", "over", "tried"), [(False, 16.6, True), (True, 16.6, False), (False, 1.9, False)]
+)
+def test_where_nothing_explains_what_is_missing_wider_laws_are_tried_beside_the_robot_alone(
+    fits, monkeypatch, explains, over, tried
+):
+    """Plates in space were behind a bearing by their narrow law, and at the noise by the wider one."""
+    setup, _, narrow = fits
+    wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
+    forced = Mock(spec=FittedFrfs, key=("coulomb_friction", "q1"), hypothesis=Mock(by_force=True))
+    asked = []
+
+    def at_next_level(setup, one, *, set_out, is_enough, unsure):
+        assert unsure
+        asked.append(one.key)
+        return [wider]
+
+    monkeypatch.setattr(wider_laws, "at_next_level", at_next_level)
+    monkeypatch.setattr(wider_laws, "over_noise", lambda *given: over)
+    monkeypatch.setattr(wider_laws, "likely_wider", lambda *given: [narrow, forced])
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    found = candidates.with_wider_laws(root, 0, [narrow], Mock(spec=Findings, explains=explains))
+    assert found == [wider if tried else narrow]
+    assert asked == ([narrow.key] if tried else [])
+
+
+def test_a_law_that_gains_nothing_soon_is_not_followed_where_it_is_unsure(fits):
+    """Where one place explains everything it is, to its end."""
+    setup, zero, narrow = fits
+    hypothesis = narrow.hypothesis
+    value = predict(hypothesis, narrow.x, setup.observations)
+    noise = np.random.default_rng(0).standard_normal((2, *value.shape)) * 0.05
+    seen = replace(setup.observations, value=value * np.exp(noise[0] + 1j * noise[1]))
+    alike = Mock(
+        spec=Setup, fitted=seen, observations=seen, held=setup.held, context=setup.context, effects=(),
+        advance=Mock(),
+    )  # fmt: skip
+    right = fitted_closely(alike, hypothesis, narrow.x)
+    assert at_next_level(alike, right, SetOut([zero]), lambda one: False, unsure=True) == []
+    assert at_next_level(alike, right, SetOut([zero]), lambda one: True) != []

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmodal.errors import Fault, InaccurateModes, InvalidSystem
+from flexmodal.errors import Fault, InaccurateModes, InvalidSystem, SingularResponse
 from flexmodal.frf.kernels.route import has_numba
 from flexmodal.structure import solve_kernel, truncation
 from flexmodal.structure.assembly import KINDS
@@ -287,6 +287,15 @@ def test_what_a_control_loop_leaves_at_the_end_is_cut_off_too(structures, power)
     by_modes, _ = missing_with_slopes(found, ())
     assert np.abs(by_modes).max() > 1e-3 * np.abs(found.value).max()
     np.testing.assert_allclose(missing_of(found), by_modes, rtol=1e-7, atol=1e-9 * np.abs(by_modes).max())
+
+
+def test_what_rings_up_beyond_any_number_has_no_end(structures):
+    """A damper that drives: an error that fits catch, not a receptance that is no number."""
+    bare = replace(structures, slopes={}, turned={}, names=(), loss_factor=0.0, loss_slopes={})
+    driven = replace(bare, damping=-1e3 * bare.mass)
+    found = solved(driven, replace(AXIS, length=4.0, power=2, cut_slopes=False), ENTRIES, compiled=False)
+    with pytest.raises(SingularResponse, match="rings up"):
+        missing_of(found)
 
 
 @pytest.mark.parametrize("error", [InvalidSystem, InaccurateModes, np.linalg.LinAlgError])

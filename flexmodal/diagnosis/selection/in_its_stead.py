@@ -51,7 +51,7 @@ class Refits:
         self._instead: dict[tuple[Key, Effect, str], list[FittedFrfs]] = {}
 
     def without(self, model: FittedFrfs, key: Key) -> FittedFrfs:
-        """The model without one of its effects, fitted again.
+        """The model without one of its effects, fitted again; from what was believed where that cannot be.
 
         Args:
             model: with the effect.
@@ -63,7 +63,7 @@ class Refits:
             kept = [not name.startswith(prefix) for name in model.hypothesis.space.names]
             less, start = model.hypothesis.without(key), model.x[np.array(kept)]
             found = tried_closely(self.setup, less, start)
-            self._less[key] = found[0] if found else fitted_closely(self.setup, less, start)
+            self._less[key] = found[0] if found else fitted_closely(self.setup, less, np.zeros(len(start)))
         return self._less[key]
 
     def instead(self, model: FittedFrfs, key: Key, others: Sequence[FittedFrfs]) -> list[FittedFrfs]:

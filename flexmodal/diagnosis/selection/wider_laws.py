@@ -1,0 +1,145 @@
+"""Wider laws for effects of models of FRFs, where narrow ones leave more than there should be."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from functools import partial
+
+from flexmodal.diagnosis.disagreement.gaps import left, over_noise
+from flexmodal.diagnosis.lawfree.effects_at import HIDE, PORT_OF, WIDE
+from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.search.explanations import best_of_each
+from flexmodal.diagnosis.search.next_level import at_next_level
+from flexmodal.diagnosis.search.set_out import SetOut
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_starts import (
+    likely_wider,
+    starts,
+    swung,
+    with_last,
+)
+from flexmodal.diagnosis.selection.frf_thresholds import (
+    ANOTHER,
+    CLOSE,
+    EXPLAINED,
+    FLOOR_REACHED,
+    HALF,
+    HARDLY,
+    LAW_LEAVES,
+    LIKELY,
+    NOTHING_HIDDEN,
+)
+from flexmodal.diagnosis.selection.searches_beside import SearchesBeside
+
+
+class WiderLaws(SearchesBeside):
+    """Which effects get the next level of their law, and when."""
+
+    def with_wider_laws(
+        self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings
+    ) -> list[FittedFrfs]:
+        """With effects at places that do best without a law, and wider laws, where none takes a good part.
+
+        Beside effects while several are missing: a narrow law may take nothing where a wide one takes most,
+        of a foundation on bolts or of a rod. Of a rod whose ratio changes with the posture no function tells
+        the joints either: the best coupling gets its wider law.
+
+        Args:
+            before: the model that something is added to.
+            number: how many effects it has.
+            found: with one effect more.
+            look: beside it.
+        """
+        if not before.hypothesis.placed:
+            return self._wide_at_first(found, look)
+        if any(left(self.setup, before, one) < 1 - ANOTHER for one in found):
+            return found
+        kinds = set(PORT_OF.values())
+        best = [(one.port, one.where) for one in look.places if one.port in kinds][:LIKELY]
+        found = self.also_at(before, number, found, [*best, *self._that_hide])
+        told = SetOut([], starts(before, look).told)
+        near = likely_wider(self.setup, found, look)
+        hidden = [one for one in found if PORT_OF.get(one.key[0]) in HIDE]
+        near += [one for one in hidden[:1] if one not in near]
+        return best_of_each([*found, *self._at_next_level(near, told)])
+
+    def _wide_at_first(self, found: list[FittedFrfs], look: Findings) -> list[FittedFrfs]:
+        """With wider laws of what is not far behind, where no place and no law explains what is missing."""
+        if look.explains or any(over_noise(self.setup, one) <= EXPLAINED for one in found):
+            return found
+        near = [one for one in likely_wider(self.setup, found, look) if not one.hypothesis.by_force]
+        return best_of_each([*found, *self._at_next_level(near, SetOut([]), unsure=True)])
+
+    @property
+    def _that_hide(self) -> list[tuple[str, str]]:
+        """Kinds and places of ports whose effects have a wider law that no port of one function shows."""
+        effects = [effect for effect in self.setup.effects if PORT_OF.get(effect.name) in HIDE]
+        return [(PORT_OF[one.name], where) for one in effects for where in one.places(self.setup.context)]
+
+    def at_next_levels(self, before: FittedFrfs, found: list[FittedFrfs], look: Findings) -> list[FittedFrfs]:
+        """Wider laws too, where every effect in the place that the look points to leaves more by its law.
+
+        More than noise, and more than the functions of that place leave when they are free, or most of what
+        is missing: where that is little, it is less than several times the noise to begin with. No narrow law
+        is enough where the place is one that only wide ones have, or its curve is of another effect's class.
+        Where free functions explain nothing either the law may tie what no function does.
+
+        Args:
+            before: the model that something is added to.
+            found: with one effect more.
+            look: beside it.
+        """
+        enough = [one for one in found if self.is_enough(one) and left(self.setup, before, one) <= HALF]
+        if any(look.met([one.key]) or not self._may_be_another(one, look) for one in enough):
+            return found
+        least = LAW_LEAVES * look.left if look.explains else EXPLAINED
+        others = swung(self.setup, before, look)
+        places = [one for one in found if look.met([one.key]) or one.key in others]
+        does = [one for one in places if not look.explains or left(self.setup, before, one) <= HALF]
+        if look.found[0].port not in WIDE and any(over_noise(self.setup, one) <= least for one in does):
+            return found
+        wider = self._at_next_level(places, starts(before, look), unsure=not look.explains)
+        return best_of_each([*found, *wider])
+
+    def _may_be_another(self, model: FittedFrfs, look: Findings) -> bool:
+        """Whether a law leaves something, where the curve that explains all is of a class that is known."""
+        return (
+            look.explains and bool(look.found[0].classes) and over_noise(self.setup, model) > NOTHING_HIDDEN
+        )
+
+    def at_last(self, before: FittedFrfs, found: list[FittedFrfs]) -> list[FittedFrfs]:
+        """The wider law of an effect that takes all but a little, wherever it is, if that leaves nothing.
+
+        Args:
+            before: the model that something is added to.
+            found: with one effect more.
+        """
+        nearly = [one for one in found if left(self.setup, before, one) <= HARDLY]
+        if before.hypothesis.placed or not nearly or any(self.is_enough(one) for one in found):
+            return found
+        best = min(nearly, key=lambda one: over_noise(self.setup, one))
+        wider = self._at_next_level([best], SetOut([]))
+        return best_of_each([*found, *(one for one in wider if self.is_enough(one))])
+
+    def wider(self, model: FittedFrfs, keys: Collection[tuple[str, str]]) -> list[FittedFrfs]:
+        """The model with the next level of some of its effects, in turn, fitted closely; the best first.
+
+        Args:
+            model: with effects.
+            keys: names and places of the ones.
+        """
+        able = [one.key for one in model.hypothesis.placed if one.effect.next_level is not None]
+        turned = [with_last(model, key) for key in able if key in keys]
+        return best_of_each(self._at_next_level(turned, SetOut([])))
+
+    def _at_next_level(
+        self, models: Sequence[FittedFrfs], set_out: SetOut, *, unsure: bool = False
+    ) -> list[FittedFrfs]:
+        """Models with the next level of their last effects."""
+        given = partial(at_next_level, set_out=set_out, is_enough=self.is_enough, unsure=unsure)
+        return [more for one in models for more in given(self.setup, one)]
+
+    def is_enough(self, model: FittedFrfs) -> bool:
+        """Whether it leaves nothing; what its effects come close to for little has to leave less."""
+        close = any(one.effect.comes_close for one in model.hypothesis.placed[-1:])
+        return over_noise(self.setup, model) <= (CLOSE if close else FLOOR_REACHED)
