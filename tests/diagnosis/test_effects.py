@@ -642,7 +642,7 @@ def test_a_sensor_gives_on_its_mount_and_is_held_by_its_cable_as_that_of_the_rig
     values = {
         "mass": 2.0, "off": 0.0, "gyration": 1e-4, "cable": 1e-4, "mount_frequency": mount[0],
         "mount_damping_ratio": mount[1], "cable_frequency": cable[0], "cable_damping_ratio": cable[1],
-        "line_mass": 1e-6,
+        "line_mass": 1e-6, "firm": 1e-5,
     }  # fmt: skip
     frequency, ratio = mount if form == "sprung" else cable
     sized = {"mass": 2.0, "frequency": frequency, "damping_ratio": ratio}
@@ -653,16 +653,31 @@ def test_a_sensor_gives_on_its_mount_and_is_held_by_its_cable_as_that_of_the_rig
     assert np.max(np.abs(plain / other - 1)) > 0.05, "neither is seen at all"
 
 
+def test_a_sensor_that_a_hand_presses_on_is_that_of_the_rig(bench):
+    """The sensor is firm on the surface, and the hand behind it a mass on a spring."""
+    context, observed, stand = bench
+    hand = {"hand_mass": 0.9, "frequency": 21.0, "damping_ratio": 0.5}
+    values = {
+        "mass": 0.9, "firm": 1.5, "off": 0.0, "gyration": 1e-4, "cable": 1e-4, "mount_frequency": 21.0,
+        "mount_damping_ratio": 0.5, "cable_frequency": 1e-3, "line_mass": 1e-5,
+    }  # fmt: skip
+    found = ours(context, observed, "sensor_mass" + NEXT, "sensor", values)
+    other = carried_by_the_rig(observed, stand, "held", {"mass": 1.35, **hand})
+    np.testing.assert_allclose(found, other, rtol=2e-3)
+    rigid = ours(context, observed, "sensor_mass", "sensor", {"mass": 2.25})
+    assert np.abs(np.log(np.abs(rigid / other))).max() > 0.05
+
+
 @pytest.mark.parametrize("arm", ["bench", "spatial"])
 def test_a_cable_that_is_laid_along_the_arm_is_that_of_the_rig(request, arm):
     """A thin line of mass on each link, from its frame to where the cable leaves it."""
     context, observed, stand = request.getfixturevalue(arm)
     rigid = {"mount_frequency": 300 * context.band[1], "cable_frequency": 1e-3}
     bare = {"mass": 2.0, "off": 0.0, "gyration": 1e-4, "cable": 1e-4, **rigid}
-    found = ours(context, observed, "sensor_mass" + NEXT, "sensor", {**bare, "line_mass": 1.5})
-    other = carried_by_the_rig(observed, stand, "along_arm", {"mass": 2.0, "line_mass": 1.5})
+    found = ours(context, observed, "sensor_mass" + NEXT, "sensor", {**bare, "line_mass": 1.5, "firm": 1e-5})
+    other = carried_by_the_rig(observed, stand, "along_arm", {"mass": 2.0, "line_mass": 1.5, "firm": 1e-5})
     np.testing.assert_allclose(found, other, rtol=3e-3)
-    alone = ours(context, observed, "sensor_mass" + NEXT, "sensor", {**bare, "line_mass": 1e-3})
+    alone = ours(context, observed, "sensor_mass" + NEXT, "sensor", {**bare, "line_mass": 1e-3, "firm": 1e-5})
     assert np.abs(np.log(np.abs(alone / other))).max() > 0.05
 
 
@@ -1440,6 +1455,47 @@ def turned_to(context, link, plates):
     one, other = sides(context, link, axis)
     angle = float(np.arctan2(first @ other, first @ one))
     return (angle + np.pi / 2) % np.pi - np.pi / 2
+
+
+@pytest.mark.parametrize("arm", ["bench", "spatial"])
+def test_a_load_that_hangs_on_a_rope_is_that_of_the_rig(request, arm):
+    """It goes up and down with its link, and sideways stays behind nearly altogether."""
+    context, observed, stand = request.getfixturevalue(arm)
+    where = context.links[1]
+    given = {"along": 0.6, "beside": 0.05, "mass": 7.0, "gyration": 2e-3}
+    given |= {} if context.normal is not None else {"above": -0.04}
+    place = dict(zip("xyz", place_on(context, where, given).tolist(), strict=True))
+    swing = {"slosh_frequency": np.sqrt(9.81 / 0.4) / (2 * np.pi), "slosh_damping_ratio": 0.03}
+    values = {**given, **swing, "sloshing": 0.999, "slosh_height": 0.0}
+    rope = {**place, "mass": 7.0, "length": 0.4, "damping_ratio": 0.03}
+    found = ours(context, observed, effect_of("added_mass" + NEXT), where, values)
+    other = theirs(observed, stand, "added_mass", where, rope, "hanging")
+    np.testing.assert_allclose(found, other, rtol=1e-2, atol=1e-3 * np.abs(other).max())
+    rigid = ours(context, observed, "added_mass", where, given)
+    assert np.abs(np.log(np.abs(rigid / other))).max() > 0.1
+
+
+@pytest.mark.parametrize("depth", [0.7, -2.0])
+def test_a_hum_filter_takes_the_mains_out_of_what_a_sensor_reads(standing, depth):
+    """As the rig's; a peak is one that takes less than nothing."""
+    context, observed, stand = standing
+    where = context.sensors[0]
+    here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
+    notch = {"notch_depth": depth, "notch_frequency": 50.0, "notch_width": 0.2}
+    still = {"gain": 1.0, "exponent": 0.0, "high_pass": 1e-3, "mount_frequency": 1e4, "step": 1.0}
+    wide = effect_of("sensor_gain" + NEXT)
+    plain = ours(context, observed, wide, where, {**still, "notch_depth": 0.0})
+    found = ours(context, observed, wide, where, {**still, **notch})
+    sensor = Sensor()
+    hum = Site(stand, where, {"frequency": 50.0, "width": 0.2, "depth": depth})
+    FORMS["sensor_gain"]["hum"].sense({where: sensor}, hum)
+    (told,) = sensor.filters
+    factor = told(2 * np.pi * observed.axis.frequency)
+    np.testing.assert_allclose(found[here], plain[here] * factor, rtol=1e-9)
+    np.testing.assert_allclose(found[~here], plain[~here], rtol=1e-12)
+    assert abs(factor[np.argmin(np.abs(observed.axis.frequency - 50.0))]) == pytest.approx(
+        1 - depth, rel=0.01
+    )
 
 
 @pytest.mark.parametrize("joint", ["q1", "q4"])

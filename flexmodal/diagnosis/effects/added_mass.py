@@ -30,6 +30,8 @@ RIGID = 8.0
 """Likewise, above which files hold the mass as rigid."""
 LOSS = 0.03
 """Damping ratio of that, which is not to be seen so far below."""
+HANGING = 0.97
+"""Part of what hangs on a rope that stays behind sideways, from which fits start."""
 FROZEN = 0.02
 """Of a liquid, up to which no file lacks what swings."""
 SLOSH = ("sloshing", "slosh_frequency", "slosh_damping_ratio", "slosh_height")
@@ -59,7 +61,7 @@ def _liquid_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     rigid = (one for one in _parameters(context, where) if one.name != "mount_frequency")
     return (
         *rigid,
-        positive("sloshing", "of the mass", 0.1, 1.5, 1e-4, 0.9),
+        positive("sloshing", "of the mass", 0.1, 1.5, 1e-4, 0.999),
         positive("slosh_frequency", "Hz", 2.0, 0.5, 0.3, 10.0),
         positive("slosh_damping_ratio", "", 0.05, 0.7, 1e-3, 0.5),
         signed("slosh_height", "m", 0.05, -0.5, 0.5),
@@ -69,8 +71,8 @@ def _liquid_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 def _liquid_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
     return [
         {**values, "mass": size * values["mass"], "sloshing": part}
-        for part in (0.1, 0.3, 0.6)
-        for size in (1.0, 1.4)
+        for part in (0.1, 0.3, 0.6, HANGING)
+        for size in (1.0, 1.4, *((3.0,) if part == HANGING else ()))
     ]
 
 

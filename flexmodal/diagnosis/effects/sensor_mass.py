@@ -1,7 +1,8 @@
 """The sensor that goes from point to point weighs on what it measures.
 
 It sits off the surface, and a part of its cable is taped to the link. At the next level it sits on a mount
-that gives, equally each way, while what is measured moves with the surface; and its cable hangs in the air
+that gives, equally each way, while what is measured moves with the surface, or a part of it does, as of a
+sensor that a hand presses on; and its cable hangs in the air
 and holds it, as a spring and a damper to the surroundings, or is laid along the arm down to the base, a line
 of mass on each link. ISO 5348 (mounting of accelerometers); McConnell and Varoto, Vibration Testing, 2nd ed.,
 Wiley 2008, chapter 4 (cables).
@@ -31,6 +32,8 @@ LAID = (0.3, 1.5)
 """Mass of a cable that is laid down the whole arm, over the sensor's, from which fits start."""
 LEAST = 0.05
 """Length of an arm at least, for what a cable weighs a metre [m]."""
+HANDS = (12.0, 30.0)
+"""Frequencies of a hand that presses a sensor on, from which fits start [Hz] (ISO 10068)."""
 COORDINATES = tuple(f"sensor mount {axis}" for axis in "xyz")
 """Of the mass against the surface."""
 
@@ -87,6 +90,7 @@ def _held_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive("mount_damping_ratio", "", 0.05, 0.8, 1e-3, 2.0),
         positive("cable_frequency", "Hz", 1e-2 * low, 2.0, 1e-5 * low, 2 * high),
         positive("cable_damping_ratio", "", 0.2, 1.0, 1e-3, 20.0),
+        positive("firm", "", 1e-3, 2.0, 1e-5, 50.0),
         positive("line_mass", "kg/m", 1e-4 * mass, 2.0, 1e-7 * mass, 3 * mass),
     )
 
@@ -96,7 +100,18 @@ def _held_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     high, length = context.band[1], _whole_length(context)
     hung: list[Mapping[str, float]] = [{**values, "cable_frequency": share * high} for share in HELD]
     laid = [{**values, "line_mass": share * values["mass"] / length} for share in LAID]
-    return hung + [{**values, "mount_frequency": share * high} for share in MOUNTS] + laid
+    pressed = [
+        {
+            **values,
+            "firm": share,
+            "mass": values["mass"] / share,
+            "mount_frequency": own,
+            "mount_damping_ratio": 0.5,
+        }
+        for own in HANDS
+        for share in (0.7, 1.5)
+    ]
+    return hung + [{**values, "mount_frequency": share * high} for share in MOUNTS] + laid + pressed
 
 
 def _whole_length(context: Context) -> float:
@@ -138,6 +153,7 @@ def _held(assembly: Assembly, placement: Placement) -> None:
         row = assembly.row(name)
         moved = motion[:, k] + row
         assembly.add_inertia(moved, mass)
+        assembly.add_inertia(motion[:, k], placement["firm"] * mass)
         assembly.add_spring(row, mass * own**2)
         assembly.add_damper(row, 2 * placement["mount_damping_ratio"] * mass * own)
         assembly.add_spring(moved, mass * hung**2)

@@ -49,13 +49,18 @@ STEP, STEP_AT = "step", "step_frequency"
 """What the wider law has besides: the sensitivity far above a frequency over that far below it."""
 STEPS = (0.7, 1.4)
 """From which fits start, at some frequencies in the band."""
+NOTCH = ("notch_depth", "notch_frequency", "notch_width")
+"""Of a notch: the part it takes away in its middle, or adds if that is below 0, where that is, and its ζ."""
+DEEP = (0.5, -0.5)
+"""Its depths from which fits start, at some frequencies in the band."""
 
 
 def _gain(placement: Placement, axis: Axis) -> np.ndarray:
     """A factor of either sign, a weak power of frequency, a mount that resonates, and a high pass.
 
     The high pass is 1/(1 + a + p a²) with a = ω_c/s, of first order with p = 0. By the wider law a step of
-    the sensitivity, (1 + g s/ω)/(1 + s/ω), besides: a lead or a lag.
+    the sensitivity besides, (1 + g s/ω)/(1 + s/ω), a lead or a lag; and a notch, as of a hum filter, or peak,
+    1 − d 2ζ a/(1 + 2ζ a + a²) with a = s/ω (Horowitz and Hill, The Art of Electronics, 3rd ed., section 6.3).
     """
     gain = placement["gain"]
     s = np.where(axis.frequency > 0, axis.s, 1j * MIDDLE)
@@ -69,6 +74,9 @@ def _gain(placement: Placement, axis: Axis) -> np.ndarray:
     if STEP in placement.values:
         over = s / (2 * np.pi * placement[STEP_AT])
         step = np.log1p(placement[STEP] * over) - np.log1p(over)
+        depth, middle, width = (placement[name] for name in NOTCH)
+        a = s / (2 * np.pi * middle)
+        step = step + np.log(1 - depth * 2 * width * a / (1 + 2 * width * a + a**2))
     return np.asarray(size + slope - resonance - passed + step, dtype=complex)
 
 
@@ -150,6 +158,9 @@ def _step_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         *_gain_parameters(context, where),
         positive(STEP, "", 1.0, 0.4, 0.05, 20.0),
         positive(STEP_AT, "Hz", float(np.sqrt(low * high)), 1.0, low / 3, 3 * high),
+        signed(NOTCH[0], "", 0.1, -20.0, 0.995),
+        positive(NOTCH[1], "Hz", float(np.sqrt(low * high)), 1.0, low / 2, 2 * high),
+        positive(NOTCH[2], "", 0.2, 1.0, 0.005, 5.0),
     )
 
 
@@ -164,6 +175,8 @@ def _step_starts(context: Context, where: str, values: Mapping[str, float]) -> l
         for some in combinations(names, count)
         for size in UNLIKE
     ]
+    middles = np.geomspace(2 * context.band[0], context.band[1], 6).tolist()
+    steps += [{NOTCH[0]: depth, NOTCH[1]: middle} for depth in DEEP for middle in middles]
     return [*by_axis, *({**one, **step} for one in (values, alone) for step in steps)]
 
 
