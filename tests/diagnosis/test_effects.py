@@ -135,6 +135,24 @@ def test_effect_is_that_of_the_rig(bench, effect):
     np.testing.assert_allclose(found, other, rtol=1e-8 if effect == "servo_compliance" else 1e-6)
 
 
+def test_a_rotor_that_drives_a_wheel_by_a_belt_is_that_of_the_rig(bench):
+    context, observed, stand = bench
+    k, gain, derivative, inertia = float(context.robot.joints["q2"].stiffness), 1e5, 300.0, 20.0
+    belt = {"belt_stiffness": 2e5, "belt_damping_time": 6e-4, "wheel_inertia": 7.0}
+    motor = {"proportional_gain": gain, "derivative_gain": derivative, "rotor_inertia": inertia}
+    there = theirs(observed, stand, "servo_compliance", "q2", {**motor, **belt}, "belted")
+    rotor = {
+        "gain": gain, "frequency": np.sqrt((gain + k) / inertia) / (2 * np.pi),
+        "damping_ratio": derivative / (2 * np.sqrt(gain * inertia)),
+    }  # fmt: skip
+    still = {"integral": 1e-4, "lag": 1e-8, "brake": 1e-5}
+    values = {**rotor, **still, "belt": 2e5, "belt_damping_time": 6e-4, "wheel": 7.0 / inertia}
+    found = ours(context, observed, "servo_compliance" + NEXT, "q2", values)
+    np.testing.assert_allclose(found, there, rtol=1e-2, atol=1e-3 * np.abs(there).max())
+    alone = ours(context, observed, "servo_compliance", "q2", rotor)
+    assert np.abs(np.log(np.abs(alone / there))).max() > 0.1
+
+
 def test_a_loop_that_integrates_and_lags_is_that_of_the_rig(bench):
     """P around PI on the rate, the torque through a low-pass."""
     context, observed, stand = bench
@@ -148,6 +166,7 @@ def test_a_loop_that_integrates_and_lags_is_that_of_the_rig(bench):
         "gain": proportional, "frequency": np.sqrt((proportional + k) / inertia) / (2 * np.pi),
         "damping_ratio": derivative / (2 * np.sqrt(proportional * inertia)),
         "integral": (1 - outer) * gain / derivative / (2 * np.pi), "lag": lag, "brake": 1e-4,
+        "belt": 1e4 * k, "wheel": 1e-4,
     }  # fmt: skip
     found = ours(context, observed, "servo_compliance" + NEXT, "q2", values)
     # w/(s + e) for w/s, and Maxwell elements' ends with an inertia of their own

@@ -11,6 +11,8 @@ At the next level the loop integrates, comes late and is braked besides: its tor
 chapters 7 and 15; a brake that relaxes is T and D = (1 + r) K T). The lag is a spring K' with a Maxwell
 element of D/T - K' beside it, which may be negative. For w/s stands w/(s + e), a spring less a Maxwell
 element, e far below the band.
+
+And the rotor may drive a wheel by a belt, and that the joint: a spring and a damper between two inertias.
 """
 
 from __future__ import annotations
@@ -32,6 +34,12 @@ HELD = 0.05
 """What integral and lag do at the rotor's frequency, from which it is told that no file holds them."""
 LEAST = 1e-3
 """Of its gain, the spring in the files at least."""
+BELT = ("belt", "belt_damping_time", "wheel")
+"""Stiffness of a belt, its damping over that, and the inertia of the wheel it drives over the rotor's."""
+STIFF = 300.0
+"""A belt's stiffness over the joint's that is none to be seen."""
+BELTED = 30.0
+"""Its stiffness over the loop's up to which it is told that no file holds it."""
 SLOW = 0.003
 """Below which part of the lowest line the integral of the loop forgets."""
 
@@ -95,32 +103,37 @@ def _extend(draft: Draft, placement: Placement) -> None:
 
 
 def _put_in(draft: Draft, placement: Placement, spring: float, damper: float) -> None:
-    """A rotor on a spring and a damper, which is all that the files hold."""
+    """A rotor on a spring and a damper, which is all that the files hold; what it drives turns with it."""
     if draft.robot.joints[placement.where].rotor_inertia:
         draft.notes.append(
             f"the card's rotor inertia of {placement.where} turns with the link but no longer with the motor"
         )
-    inertia = _physical(placement.context, placement.where, placement.values)["rotor_inertia"]
+    rotor = _physical(placement.context, placement.where, placement.values)["rotor_inertia"]
+    inertia = rotor * (1 + placement.values.get(BELT[2], 0.0))
     motor = draft.fresh(f"{placement.where}_motor")
     draft.behind(placement.where, motor)
     draft.flexible(motor, spring, damper, rotor_inertia=inertia)
 
 
 def _loop_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    """Those of a rotor on a spring and a damper, and what else the loop does, next to nothing at first."""
-    low, high = context.band
+    """Those of a rotor on a spring and a damper, and what else there is, next to nothing at first."""
+    (low, high), k = context.band, float(context.robot.joints[where].stiffness)
     return (
         *_parameters(context, where),
         positive("integral", "Hz", 0.01 * low, 2.0, 1e-5 * low, high),
         positive("lag", "s", 2e-3 / high, 2.0, 1e-6 / high, 0.5 / low),
         positive("brake", "of the derivative gain", 0.01, 2.0, 1e-6, 30.0),
+        positive(BELT[0], "N·m/rad", STIFF * k, 2.0, 0.03 * k, 100 * STIFF * k),
+        positive(BELT[1], "s", 3e-4, 1.5, 1e-7, 0.03),
+        positive(BELT[2], "of the rotor", 0.01, 1.5, 1e-4, 20.0),
     )
 
 
 def _loop_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    """Where a fit without these ended and where one may begin, late or not, and with an integral or none."""
-    found: list[Mapping[str, float]] = []
-    for narrow, late, slow in product((values, *_starts(context, where)), (0.0, 0.1, 0.4), (0.0, 0.1, 0.4)):
+    """Where a fit without these ended and where one may begin, with a belt, or late, or with an integral."""
+    begun = values, *_starts(context, where)
+    found: list[Mapping[str, float]] = [{**one, BELT[0]: 2 * one["gain"], BELT[2]: 0.3} for one in begun]
+    for narrow, late, slow in product(begun, (0.0, 0.1, 0.4), (0.0, 0.1, 0.4)):
         more = {"lag": late / (2 * np.pi * narrow["frequency"])} if late else {}
         more |= {"integral": slow * narrow["frequency"]} if slow else {}
         found.append({**narrow, **more})
@@ -128,8 +141,12 @@ def _loop_starts(context: Context, where: str, values: Mapping[str, float]) -> l
 
 
 def _loop_shape(assembly: Assembly, placement: Placement) -> None:
+    where = placement.where
     _shape(assembly, placement)
-    assembly.add_coordinates([f"{placement.where} lag", f"{placement.where} integral"])
+    assembly.add_coordinates([f"{where} lag", f"{where} integral", f"{where} belt"])
+    before = assembly.stretch[where]
+    wide = np.append(before, np.zeros(len(assembly.coordinates) - len(before)))
+    assembly.stretch[where] = wide - assembly.row(f"{where} belt")
 
 
 def _loop_act(assembly: Assembly, placement: Placement) -> None:
@@ -144,6 +161,10 @@ def _loop_act(assembly: Assembly, placement: Placement) -> None:
     assembly.add_damper(row, placement["brake"] * derivative)
     add_relaxing(assembly, row, assembly.row(f"{where} lag"), derivative / lag - still, lag, high)
     add_relaxing(assembly, row, assembly.row(f"{where} integral"), -gain * rate / slow, 1 / slow, high)
+    stretch, (belt, time, wheel) = assembly.row(f"{where} belt"), (placement[name] for name in BELT)
+    assembly.add_inertia(row + stretch, wheel * inertia)
+    assembly.add_spring(stretch, belt)
+    assembly.add_damper(stretch, time * belt)
 
 
 def loop_stiffness(context: Context, where: str, values: Mapping[str, float], frequency: float) -> complex:
@@ -176,6 +197,8 @@ def _loop_extend(draft: Draft, placement: Placement) -> None:
             f"the files have the loop of {placement.where} as it is at {own:.3g} Hz, and lack that it "
             f"integrates and comes late"
         )
+    if values[BELT[0]] < BELTED * values["gain"]:
+        draft.notes.append(f"the files lack the belt of {placement.where}, {values[BELT[0]]:.3g} N·m/rad")
 
 
 LOOP = Effect(
@@ -188,7 +211,7 @@ LOOP = Effect(
     act=_loop_act,
     physical=lambda context, where, values: {
         **_physical(context, where, values),
-        **{name: values[name] for name in ("integral", "lag", "brake")},
+        **{name: values[name] for name in ("integral", "lag", "brake", *BELT)},
     },
     extend=_loop_extend,
     units={"proportional_gain": "N·m/rad", "derivative_gain": "N·m·s/rad", "rotor_inertia": "kg·m²"},
