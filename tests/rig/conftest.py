@@ -111,6 +111,11 @@ def pair(bars, stand):
     return stand(bars(count=2), references=["tip:+z"], postures=["flat"])
 
 
+K, B, I = 4e4, 4.0, 4.0 / 3  # the bar: joint stiffness and damping, moment about the joint  # noqa: E741
+FREQUENCY = np.linspace(2, 100, 300)
+S = 2j * np.pi * FREQUENCY
+
+
 def put(bench, *specs):
     """The plant in the first posture, with effects in it."""
     return build(bench, bench.plan.postures[0], specs)
@@ -132,3 +137,11 @@ def measured(bench, *specs) -> np.ndarray:
     """Clean FRFs [point, line] of one hammer position and one axis."""
     posture, quiet = bench.plan.postures[0], Conduct(noise=0.0, scatter=0.0)
     return h1(strike_posture(bench, posture, specs, quiet))[0][0, 0, :, 0]
+
+
+def tip(plant, place=1.0) -> np.ndarray:
+    return plant.row("link_1", np.array([place, 0, 0]), np.array([0, 0, 1.0]))
+
+
+def inertance(plant) -> np.ndarray:
+    return plant.inertance(tip(plant)[None], tip(plant)[None], FREQUENCY)[:, 0, 0]

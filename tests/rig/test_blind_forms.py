@@ -12,19 +12,7 @@ from flexmodal.rig.plant.build import build, sensors
 from flexmodal.rig.plant.geometry import turn
 from flexmodal.rig.plant.plant import HERTZ, LOADED
 
-from .conftest import pulled, put
-
-K, B, I = 4e4, 4.0, 4.0 / 3  # the bar: joint stiffness and damping, moment about the joint  # noqa: E741
-FREQUENCY = np.linspace(2, 100, 300)
-S = 2j * np.pi * FREQUENCY
-
-
-def tip(plant, place=1.0) -> np.ndarray:
-    return plant.row("link_1", np.array([place, 0, 0]), np.array([0, 0, 1.0]))
-
-
-def inertance(plant) -> np.ndarray:
-    return plant.inertance(tip(plant)[None], tip(plant)[None], FREQUENCY)[:, 0, 0]
+from .conftest import B, I, K, S, inertance, pulled, put, tip
 
 
 def test_plates_shift_their_far_end_and_do_not_tilt_it(stiff, hidden):
