@@ -23,7 +23,7 @@ FLOOR = 1e-3
 """Part of an FRF that counts as noise at least: records without noise are never quite still."""
 RINGS = 10.0
 """Mean over a posture's FRFs of |h_f|² over that of the noise, from which something rings. In five campaigns
-that were looked at: at most 2.3 where nothing does, 56 000 where a mode of 0.3 % damping does."""
+that were looked at: at most 2.3 where nothing does, 56 000 where a mode of 0.1 % damping does."""
 EVEN = 1e-3
 """Difference of the lines' distances up to which they are even, over the distance."""
 ASIDE = 4.0

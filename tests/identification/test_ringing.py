@@ -22,7 +22,7 @@ def seen():
         )  # fmt: skip
         return observe(result.campaign)
 
-    return made(), made(Hide("joint_coupling", "q1+q2", form="remote", parameters={"ratio": -0.18}))
+    return made(), made(Hide("joint_coupling", "q1+q2", form="remote", parameters={"ratio": -0.135}))
 
 
 def test_what_rings_on_is_seen_in_the_frfs(seen):

@@ -132,14 +132,17 @@ def _act(assembly: Assembly, placement: Placement) -> None:
     for section in sections(context, where, bending(placement)[0]):
         twist = [([(name, 1.0)], placement["twist_ratio"] * placement["stiffness"]) for name in section.twist]
         slides = [
-            ([(section.shears[plane], share) for plane, share in parts], ratio * _sliding(placement))
+            (
+                [(section.shears[plane], share) for plane, share in parts],
+                ratio * _sideways(placement, "shear"),
+            )
             for ratio, parts in (planes if section.shears else ())
         ]
         found += [(pulled, spring / section.share) for pulled, spring in (*twist, *slides)]
     for section in sway(placement, bending(placement)[0]):
         for number, (_, parts) in enumerate(planes):
             swaying = [(section.sways[plane], share) for plane, share in parts]
-            found.append((swaying, _swaying(placement, number)))
+            found.append((swaying, _sideways(placement, SWAYS[number])))
     rows = np.zeros((len(found), len(assembly.coordinates)))
     for number, (pulled, _) in enumerate(found):
         for name, share in pulled:
@@ -161,16 +164,10 @@ def _shares(placement: Placement, plane: int) -> Float[np.ndarray, " hinge"]:
     return np.asarray((shares + placement[CRACK] * near) / (1 + placement[CRACK]))
 
 
-def _sliding(placement: Placement) -> float:
-    """Stiffness of the whole link in shear [N/m]."""
+def _sideways(placement: Placement, name: str) -> float:
+    """Stiffness of the whole link against a shift of its end, in shear or as it sways [N/m]."""
     length, _ = along(placement.context, placement.where)
-    return 12 * placement["stiffness"] / (placement["shear"] * length**2)
-
-
-def _swaying(placement: Placement, plane: int) -> float:
-    """Stiffness of the whole link against a sway in one plane [N/m]."""
-    length, _ = along(placement.context, placement.where)
-    return 12 * placement["stiffness"] / (placement[SWAYS[plane]] * length**2)
+    return 12 * placement["stiffness"] / (placement[name] * length**2)
 
 
 def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hinge"]) -> list[_New]:
@@ -190,6 +187,7 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
         for place, share in section.cuts
         if place == places[hinge]
     ]
+    sways = hinge == len(places) // 2 and bool(sway(placement, places))
     for plane, (ratio, parts) in enumerate(_planes(placement)):
         side = np.sum([share * across[number] for number, share in parts], axis=0)
         end = f"{hinge + 1}" + (f"_{plane + 1}" if len(across) > 1 else "")
@@ -197,12 +195,11 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
         found.append(_New(f"{link}_bend_{end}", crossed(axis, side), bend))
         for section, share in there:
             if section.shears:
-                sliding = ratio * _sliding(placement) / share
+                sliding = ratio * _sideways(placement, "shear") / share
                 found.append(_New(f"{link}_shear_{end}", side, sliding, slides=True))
-    sways = hinge == len(places) // 2 and sway(placement, places)
-    for plane, (_, parts) in enumerate(_planes(placement) if sways else ()):
-        side = np.sum([share * across[number] for number, share in parts], axis=0)
-        found.append(_New(f"{link}_sway_{plane + 1}", side, _swaying(placement, plane), slides=True))
+        if sways:
+            swaying = _sideways(placement, SWAYS[plane])
+            found.append(_New(f"{link}_sway_{plane + 1}", side, swaying, slides=True))
     for section, share in there:
         if section.twist:
             end = f"_{hinge + 1}" if len(section.cuts) > 1 else ""

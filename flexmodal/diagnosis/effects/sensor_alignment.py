@@ -123,7 +123,7 @@ def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    """Where the turn with the link ended, a turn of the world in place of it, and the turns of a cube.
+    """Where the turn with the link ended, parts of the link's own turn, turns of the world, those of a cube.
 
     In a plane a turn of the world is one with the link.
     """

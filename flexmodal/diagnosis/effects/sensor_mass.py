@@ -2,16 +2,16 @@
 
 It sits off the surface, and a part of its cable is taped to the link. At the next level it sits on a mount
 that gives, equally each way, while what is measured moves with the surface, or a part of it does, as of a
-sensor that a hand presses on; and its cable hangs in the air
-and holds it, as a spring and a damper to the surroundings, or is laid along the arm down to the base, a line
-of mass on each link. ISO 5348 (mounting of accelerometers); McConnell and Varoto, Vibration Testing, 2nd ed.,
-Wiley 2008, chapter 4 (cables).
+sensor that a hand presses on; and its cable hangs in the air and holds it, as a spring and a damper to the
+surroundings, or is laid along the arm down to the base, a line of mass on each link. ISO 5348 (mounting of
+accelerometers); McConnell and Varoto, Vibration Testing, 2nd ed., Wiley 2008, chapter 4 (cables).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -119,14 +119,15 @@ def _whole_length(context: Context) -> float:
     return max(sum(float(np.linalg.norm(joint.xyz)) for joint in context.robot.urdf.joints), LEAST)
 
 
-def _laid(context: Context, point: int) -> list[tuple[str, np.ndarray]]:
+@lru_cache(maxsize=256)
+def _laid(context: Context, point: int) -> tuple[tuple[str, np.ndarray], ...]:
     """Links from a point down to the base, and where on each the cable that comes from its frame ends."""
     at, before = context.point(point), {joint.child: joint for joint in context.robot.urdf.joints}
     found = [(at.link, np.array(at.xyz))]
     while found[-1][0] in before:
         joint = before[found[-1][0]]
         found.append((joint.parent, np.array(joint.xyz)))
-    return found[:-1]
+    return tuple(found[:-1])
 
 
 def _lay(assembly: Assembly, placement: Placement) -> None:

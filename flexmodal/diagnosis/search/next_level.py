@@ -17,13 +17,14 @@ from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
 
-ROUNDS = ((0.2, 0, 40), (0.2, 8, 8), (0.1, 8, 5), (0.03, 8, 3))
+Rounds = tuple[tuple[float, int, int], ...]
+ROUNDS: Rounds = ((0.2, 0, 40), (0.2, 8, 8), (0.1, 8, 5), (0.03, 8, 3))
 """Model error, steps, and how many starts go on; the last are fitted closely."""
-UNSURE = ((0.2, 0, 12), (0.2, 8, 4), (0.1, 8, 2), (0.03, 8, 1))
+UNSURE: Rounds = ((0.2, 0, 12), (0.2, 8, 4), (0.1, 8, 2), (0.03, 8, 1))
 """The same where no place explains what is missing, so that much else is tried."""
 GAINS = 0.9
 """Part of the narrow law's cost after the first of those rounds that a wider one leaves at most, to go on."""
-BESIDE_INTEGRATED = ((0.2, 0, 8), (0.2, 8, 3), (0.1, 8, 2), (0.03, 8, 1))
+BESIDE_INTEGRATED: Rounds = ((0.2, 0, 8), (0.2, 8, 3), (0.1, 8, 2), (0.03, 8, 1))
 """The same for torques beside others that are integrated in time too: each of their steps takes long. Beside
 such torques one start alone is fitted closely."""
 
@@ -60,18 +61,21 @@ def at_next_level(
     placed = hypothesis.placed[-1]
     told = [hypothesis.start(placed, *one) for one in set_out.told(level.effect, narrow.where)]
     seen = seen_beside(setup, model, by_force=narrow.effect.by_force)
-    least = GAINS * _soon(seen, model) if unsure else np.inf
-    found = _followed(setup, seen, hypothesis, told, is_enough, least)
+    rounds = UNSURE if unsure else ROUNDS
+    if seen.integrates(model.hypothesis.without(narrow.key)):
+        rounds = BESIDE_INTEGRATED
+    least = GAINS * _soon(seen, model, rounds) if unsure else np.inf
+    found = _followed(setup, seen, hypothesis, told, is_enough, rounds, least)
     if any(is_enough(one) for one in found):
         return found
     given = level.starts(setup.context, narrow.where, own)
     tried = [hypothesis.start(placed, one, x) for x in before for one in given]
-    return [*found, *_followed(setup, seen, hypothesis, tried, is_enough, least)]
+    return [*found, *_followed(setup, seen, hypothesis, tried, is_enough, rounds, least)]
 
 
-def _soon(seen: Look, model: FittedFrfs) -> float:
+def _soon(seen: Look, model: FittedFrfs, rounds: Rounds) -> float:
     """Cost of the narrow law after the first round."""
-    floor, steps, _ = UNSURE[1]
+    floor, steps, _ = rounds[1]
     return seen.fitted(Candidate(model.hypothesis, model.x, np.inf), floor, steps).cost
 
 
@@ -81,13 +85,10 @@ def _followed(
     hypothesis: Hypothesis,
     tried: Sequence[Float[np.ndarray, " parameter"]],
     is_enough: Callable[[FittedFrfs], bool],
+    rounds: Rounds,
     least: float,
 ) -> list[FittedFrfs]:
     """The best of some starts, fitted closely; none after one that is enough, nor if none gains soon."""
-    beside = hypothesis.without(hypothesis.keys[-1])
-    rounds = ROUNDS if least == np.inf else UNSURE
-    if seen.integrates(beside):
-        rounds = BESIDE_INTEGRATED
     todo = seen.started(hypothesis, tried, *rounds[0][::2])
     for number, (floor, steps, keep) in enumerate(rounds[1:]):
         setup.advance("fitting a wider law", number / len(rounds))
@@ -96,7 +97,7 @@ def _followed(
             return []
         least = np.inf  # of the first round, whose model error is the same
     found: list[FittedFrfs] = []
-    for one in todo[:1] if has_law(beside) else todo:
+    for one in todo[:1] if has_law(hypothesis.without(hypothesis.keys[-1])) else todo:
         setup.advance("fitting a wider law", 1 - 1 / len(rounds))
         fitted = tried_closely(setup, hypothesis, one.x)
         found += fitted

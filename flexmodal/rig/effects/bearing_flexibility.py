@@ -9,7 +9,7 @@ import numpy as np
 from flexmodal.campaign import CampaignPoint
 from flexmodal.model import Robot
 from flexmodal.model.placements import link_placements
-from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, divided, positive
+from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, damping_time, divided, positive
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import commanded_joints
 
@@ -39,7 +39,7 @@ def draw_springs(stand: Stand, where: str, random: np.random.Generator) -> dict[
         "tilt_stiffness": tilt,
         "radial_stiffness": radial,
         "axial_stiffness": radial * float(random.uniform(0.5, 2.0)),
-        "damping_time": float(np.exp(random.uniform(np.log(1e-4), np.log(1e-3)))),
+        "damping_time": damping_time(random),
     }
 
 

@@ -150,6 +150,11 @@ def either_sign(random: np.random.Generator, low: float, high: float) -> float:
     return size if random.uniform() < 0.5 else -size
 
 
+def damping_time(random: np.random.Generator) -> float:
+    """Damping over stiffness of steel that is bolted together, from 0.1 to 1 ms [s]."""
+    return float(np.exp(random.uniform(np.log(1e-4), np.log(1e-3))))
+
+
 def within(**spans: tuple[float, float]) -> Check:
     """A check that parameters lie within spans, both ends allowed."""
 

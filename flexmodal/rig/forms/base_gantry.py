@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodal.rig.effects.base_flexibility import EFFECT as OWN
 from flexmodal.rig.effects.base_flexibility import base_directions
-from flexmodal.rig.effects.effect import Effect, Site, Stand, divided, each, positive, within
+from flexmodal.rig.effects.effect import Effect, Site, Stand, damping_time, divided, each, positive, within
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.structure.arm import carried
 
@@ -28,7 +28,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
         "below": float(random.uniform(0.05, 0.15)) * length,
         "angle": float(random.uniform(0.0, np.pi)),
         "girder_mass": float(random.uniform(0.1, 0.6)) * stand.mass,
-        "damping_time": float(np.exp(random.uniform(np.log(1e-4), np.log(1e-3)))),
+        "damping_time": damping_time(random),
     }
 
 

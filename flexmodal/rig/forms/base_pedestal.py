@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodal.rig.effects.base_flexibility import EFFECT as OWN
 from flexmodal.rig.effects.base_flexibility import base_directions
-from flexmodal.rig.effects.effect import Effect, Site, Stand, divided, positive
+from flexmodal.rig.effects.effect import Effect, Site, Stand, damping_time, divided, positive
 from flexmodal.rig.plant.assembly import PlantAssembly
 
 PART = 33 / 140
@@ -24,7 +24,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
         "radius": float(random.uniform(0.15, 0.4)) * height,
         "ratio": float(np.exp(random.uniform(np.log(0.5), np.log(2.0)))),
         "pedestal_mass": float(random.uniform(0.1, 0.6)) * stand.mass,
-        "damping_time": float(np.exp(random.uniform(np.log(1e-4), np.log(1e-3)))),
+        "damping_time": damping_time(random),
     }
 
 

@@ -9,7 +9,17 @@ import numpy as np
 from flexmodal.rig.effects.added_mass import EFFECT as ADDED_MASS
 from flexmodal.rig.effects.base_flexibility import EFFECT as BASE
 from flexmodal.rig.effects.base_flexibility import base_directions
-from flexmodal.rig.effects.effect import Effect, Site, Stand, divided, drawing, each, positive, within
+from flexmodal.rig.effects.effect import (
+    Effect,
+    Site,
+    Stand,
+    damping_time,
+    divided,
+    drawing,
+    each,
+    positive,
+    within,
+)
 from flexmodal.rig.effects.link_flexibility import EFFECT as LINK
 from flexmodal.rig.effects.link_flexibility import plane_in, span
 from flexmodal.rig.effects.local_absorber import EFFECT as ABSORBER
@@ -49,7 +59,7 @@ def _draw_table(stand: Stand, where: str, random: np.random.Generator) -> dict[s
         "half_depth": float(random.uniform(0.2, 0.45)),
         "gyration": float(random.uniform(0.03, 0.08)) * height,
         "table_mass": float(random.uniform(0.1, 0.5)) * stand.mass,
-        "damping_time": float(np.exp(random.uniform(np.log(1e-4), np.log(1e-3)))),
+        "damping_time": damping_time(random),
     }
 
 

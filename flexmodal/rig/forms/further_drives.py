@@ -11,6 +11,7 @@ from flexmodal.rig.effects.effect import (
     Parameters,
     Site,
     Stand,
+    damping_time,
     divided,
     drawing,
     each,
@@ -26,17 +27,13 @@ from flexmodal.rig.forms.structural_damping import ZENER
 from flexmodal.rig.plant.assembly import PlantAssembly
 
 
-def _damping_time(random: np.random.Generator) -> float:
-    return float(np.exp(random.uniform(np.log(1e-4), np.log(1e-3))))
-
-
 def _draw_belted(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """A belt about as stiff as the loop; the wheel it drives weighs a part of the rotor."""
     drawn = SERVO.draw(stand, where, random)
     return {
         **drawn,
         "belt_stiffness": float(random.uniform(1.0, 4.0)) * drawn["proportional_gain"],
-        "belt_damping_time": _damping_time(random),
+        "belt_damping_time": damping_time(random),
         "wheel_inertia": float(random.uniform(0.1, 0.5)) * drawn["rotor_inertia"],
     }
 
@@ -125,7 +122,7 @@ def _draw_seat(stand: Stand, where: str, random: np.random.Generator) -> dict[st
         "seat_stiffness": stiffness,
         "ratio": either_sign(random, 0.3, 1.0),
         "inertia": float(stiffness / omega**2),
-        "damping_time": _damping_time(random),
+        "damping_time": damping_time(random),
     }
 
 
