@@ -4,7 +4,7 @@ At the next level what sticks damps as it bends: bristles with a stiffness and a
 Wit, Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995). And there is a second sliding
 element beside the first, of other limit and stiffness: the smallest of Iwan's models of sliders that slip one
 after the other (Journal of Applied Mechanics 33, 1966). What it slips at may grow with what the joint
-carries, as that of a gear does.
+carries, as that of a gear does. And what rubs may be a cylinder's seal, whose lever turns with the joint.
 """
 
 from __future__ import annotations
@@ -92,12 +92,19 @@ _SECOND = ("second_torque", "second_stiffness")
 """Of the second sliding element, over those of the first."""
 _CARRIED = ("growing", "wound")
 """Friction over the torque of the joint's spring, and how far a load at rest winds that up."""
+_LEVER = ("lever", "lever_angle", "lever_ratio")
+"""Of a cylinder that rubs: whether its lever turns with the joint, 1, or not, 0; in the middle of the
+postures the angle between its crank and where it hangs, and the crank over how far off that is."""
+_ANGLES = tuple(np.array([-5, -4, -3, -2, 1, 2, 3, 4, 5]) * np.pi / 6)
+"""Of the crank in the middle, from which fits set out [rad]."""
 _SPEED = 0.7
 """Of the largest speed of a swing, where friction takes most of its energy."""
 
 
 def _rub(assembly: Assembly, placement: Placement) -> None:
     amplitude, omega = swing_of(placement)
+    arm = lever_of(placement)
+    amplitude = amplitude * np.abs(arm)
     torque, bristles, exponent, stiction, speed = (placement[name] for name in _FRICTION)
     growing, wound = _carried(placement)
     limit = torque * (1 + stiction * np.exp(-((_SPEED * amplitude * omega / speed) ** 2)))
@@ -108,10 +115,35 @@ def _rub(assembly: Assembly, placement: Placement) -> None:
     if _SECOND[0] in placement.values:
         later = dahl(amplitude, torque * placement[_SECOND[0]], bristles * placement[_SECOND[1]], exponent)
         stiffness, loss = stiffness + later[0], loss + later[1]
-    row = assembly.stretch_of(placement.where)
+    row = _drawn(assembly, placement, arm)
     assembly.add_spring(row, stiffness)
     assembly.add_damper(row, loss / omega)
     assembly.add_damper(row, levelling(amplitude * omega, *(placement[name] for name in _SLOW)))
+
+
+def lever_of(placement: Placement) -> Float[np.ndarray, "*system"]:
+    """How much longer a cylinder gets for each radian of its joint, over the root mean square of that.
+
+    With its crank a and where it hangs b from the joint, and the angle φ between these two, it is
+    √(a² + b² − 2 a b cos φ) long, so that the lever is a b sin φ over that (the law of cosines).
+
+    Args:
+        placement: of friction; 1 where its law has no lever.
+    """
+    if not placement.values.get(_LEVER[0]):
+        return np.ones(len(placement.posture))
+    part, middle, ratio = (placement[name] for name in _LEVER)
+    every = [one.q.get(placement.where, 0.0) for one in placement.context.postures]
+    angle = middle + np.array(every) - np.mean(every)
+    arm = np.sin(angle) / np.sqrt(1 + ratio**2 - 2 * ratio * np.cos(angle))
+    arm = arm / np.sqrt(np.mean(arm**2))
+    return np.asarray((1 + part * (arm - 1))[placement.posture])
+
+
+def _drawn(assembly: Assembly, placement: Placement, arm: np.ndarray) -> Float[np.ndarray, "*system dof"]:
+    """The row of what rubs, by its lever."""
+    row = assembly.stretch_of(placement.where)
+    return np.asarray(arm[:, None] * row) if _LEVER[0] in placement.values else row
 
 
 def _carried(placement: Placement) -> tuple[float, float]:
@@ -146,7 +178,7 @@ def levelling(speed: Float[np.ndarray, "*many"], torque: float, slow: float) -> 
 
 
 def _rubbing(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
-    row = assembly.stretch_of(placement.where)
+    row = _drawn(assembly, placement, lever_of(placement))
     torque, bristles, exponent, stiction, speed = (placement[name] for name in _FRICTION)
     lag = placement.values.get(_LAG, 0.0)
     hysteretic = friction(row, torque, bristles, exponent, stiction, speed, lag, *_carried(placement))
@@ -195,6 +227,9 @@ def _bristle_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive(_SECOND[1], "of the first", 0.3, 1.5, 1e-3, 100.0),
         positive(_CARRIED[0], "of the torque carried", 1e-3, 2.5, 1e-7, 1.0),
         signed(_CARRIED[1], "of the swing", 1.0, -30.0, 30.0),
+        signed(_LEVER[0], "", 0.5, 0.0, 1.0),
+        signed(_LEVER[1], "rad", 1.0, -np.pi, np.pi, centre=np.pi / 2),
+        positive(_LEVER[2], "", 0.3, 0.7, 0.02, 3.0),
     )
 
 
@@ -204,7 +239,7 @@ def _bristle_starts(context: Context, where: str, values: Mapping[str, float]) -
     loose = {**values, "slow_torque": 0.01 * values["torque"]}
     stiff = {**loose, "presliding_stiffness": 3 * values["presliding_stiffness"]}
     none = dict(zip(_SECOND, (1e-3, 0.1), strict=True))
-    found = [
+    found: list[Mapping[str, float]] = [
         {**one, **none, _LAG: share * slow} for one in (values, loose, stiff) for share in (0.03, 0.3, 1.0)
     ]
     second = [(0.1, 1.0), (0.3, 0.3), (1.0, 0.3), (3.0, 0.5), (10.0, 1.0)]
@@ -212,7 +247,11 @@ def _bristle_starts(context: Context, where: str, values: Mapping[str, float]) -
     found += [{**held, **dict(zip(_SECOND, each, strict=True))} for each in second]
     light = {**held, **none, "torque": 0.3 * values["torque"]}
     loads = [(share, wound) for share in (0.03, 0.2) for wound in (0.0, 1.0, -1.0)]
-    return [*found, *({**light, **dict(zip(_CARRIED, each, strict=True))} for each in loads)]
+    found += [{**light, **dict(zip(_CARRIED, each, strict=True))} for each in loads]
+    if len({one.q.get(where, 0.0) for one in context.postures}) == 1:
+        return found
+    arms = [dict(zip(_LEVER, (1.0, angle, 0.3), strict=True)) for angle in _ANGLES]
+    return [*found, *({**held, **none, **one} for one in arms)]
 
 
 BRISTLES = Effect(
@@ -226,7 +265,9 @@ BRISTLES = Effect(
     variants=("blow",),
     untestable=one_level,
     physical=lambda context, where, values: {
-        name: values[name] for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND, *_CARRIED) if name in values
+        name: values[name]
+        for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND, *_CARRIED, *_LEVER)
+        if name in values
     },
     sticks=True,
 )
