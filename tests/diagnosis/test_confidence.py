@@ -5,7 +5,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.lawfree.result import Findings, Found
 from flexmodal.diagnosis.selection import confidence
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.confidence import probabilities
@@ -62,7 +62,7 @@ def test_what_counts_as_explained_is_not_doubted_for_what_it_leaves(monkeypatch,
     monkeypatch.setattr(confidence, "left", lambda setup, first, last: rest)
     variance, many = np.full((20, 1, 50), 1e-4), np.full(20, 100.0)
     seen = Mock(variance=variance, used=np.ones_like(variance, dtype=bool))
-    look = Mock(spec=Findings, left=5.0, found=(), met=lambda keys: {})
+    look = Mock(spec=Findings, left=5.0, found=(), lone=None, met=lambda keys: {})
     setup = Mock(spec=Setup, observations=seen)
     data = Mock(spec=FrfData, setup=setup, root=None, look_for=lambda model: look)
     key, weighing = ("sensor_gain", "point_2"), Mock(floor=0.0)
@@ -116,7 +116,7 @@ def test_where_nothing_added_is_at_the_noise_too_evidence_decides(monkeypatch):
     """A mass that re-tuning takes up gains 239 nats over all lines, and next to nothing by whole FRFs."""
     monkeypatch.setattr(confidence, "over_noise", lambda setup, model: 1.0)
     monkeypatch.setattr(confidence, "left", lambda setup, first, last: 1.0)
-    look = Mock(spec=Findings, left=0.5, found=(), met=lambda keys: {})
+    look = Mock(spec=Findings, left=0.5, found=(), lone=None, met=lambda keys: {})
     setup = Mock(spec=Setup, observations=Mock(variance=np.ones((1, 1, 1)), used=np.ones((1, 1, 1), bool)))
     data = Mock(spec=FrfData, setup=setup, root=None, look_for=lambda model: look)
     models = [
@@ -136,3 +136,38 @@ def test_where_nothing_added_is_at_the_noise_too_evidence_decides(monkeypatch):
     assert confidence.plausible(data, compared) == {}
     sure = confidence.confidences(data, compared, 1)
     np.testing.assert_allclose(sure, [0.0, 1 / (1 + confidence.ALONE)])
+
+
+@pytest.mark.parametrize(("apart", "others"), [(True, 0.0), (False, 0.9)])
+def test_where_one_place_alone_explains_everything_nothing_elsewhere_is_compared(monkeypatch, apart, others):
+    """A law of many parameters that leaves much, where the re-tuned robot would be more plausible."""
+    monkeypatch.setattr(
+        confidence, "over_noise", lambda setup, model: 1.6 if model.hypothesis.placed else 2.4
+    )
+    monkeypatch.setattr(confidence, "left", lambda setup, first, last: 0.3)
+    key = ("link_flexibility", "link_3")
+    link = Found(
+        "link", "link_3", "", 4.6, (("link", "link_3"), *(() if apart else [("base", "base")])), None, ()
+    )
+    look = Findings(4.6, 0.6, (), (link,), explains=True, needed=True, says="")
+    seen = Mock(variance=np.ones((1, 1, 1)), used=np.ones((1, 1, 1), bool))
+    data = Mock(
+        spec=FrfData, setup=Mock(spec=Setup, observations=seen), root=None, look_for=lambda model: look
+    )
+    models = [
+        Mock(
+            spec=FittedFrfs,
+            key=one,
+            costs=np.full(20, cost),
+            strong=strong,
+            prior=0.0,
+            parameters=1,
+            fitted=Mock(weighing=Mock(floor=0.0)),
+            hypothesis=Mock(placed=(one,) if strong else ()),
+        )
+        for one, cost, strong in ((("none", ""), 2.0, 0.0), (key, 1.0, 12.0))
+    ]
+    compared = Mock(spec=Comparison, models=models, probability=np.array([0.0, 1.0]), order=[1, 0])
+    found = confidence.confidences(data, compared, 1)
+    assert found[0] == pytest.approx(others, abs=0.1)
+    assert found[1] == pytest.approx(1 / (1 + confidence.AGREES) if apart else 0.04, abs=0.04)

@@ -418,3 +418,17 @@ def test_what_a_strong_effect_leaves_is_its_law_or_something_besides(where, says
     assert found.effects == (("added_mass", "link_3"), ("unknown", where))
     assert not found.explained
     assert says in found.says
+
+
+def test_what_a_function_tells_is_named_whatever_its_law_leaves():
+    gaps = Gaps(1.0, 0.9, None, None, 0.1)
+    step = Step("sensor_gain", "tip", {}, {}, {}, 0.83, gaps, (), share=-0.02)
+    facts = Facts(
+        (step,), {"sensor_gain": "a gain"}, gaps, 7.1, Answer.NO, {}, open_=False, place="tip",
+        standing=(("sensor_gain", "tip"),), lacking_at=("tip",), share=-0.02, told=True,
+    )  # fmt: skip
+    found = verdict(facts)
+    assert found.effects == (("sensor_gain", "tip"), ("unknown", "tip"))
+    assert not found.explained
+    assert "So says its function without a law" in found.says
+    assert "takes < 1 % of the disagreement and leaves 7.1 × the noise" in found.says

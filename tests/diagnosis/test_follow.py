@@ -14,7 +14,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.look import SOUND
-from flexmodal.diagnosis.lawfree.result import Findings, Found, PlaceTried
+from flexmodal.diagnosis.lawfree.result import Findings, Found, Loss, PlaceTried
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
 from flexmodal.diagnosis.selection import (
@@ -1463,3 +1463,84 @@ def test_an_effect_less_plausible_than_nothing_is_left_out_if_the_others_are_sur
     assert list(selection.current.keys) == kept
     assert selection.furthest is (whole if len(kept) == 2 else None)
     assert len(kept) == 3 or {one.confidence for one in selection.steps} == {0.83}
+
+
+def test_what_a_function_alone_tells_is_named_where_no_law_is(monkeypatch):
+    """Nothing takes anything by its law, or two effects do though one place explains everything."""
+
+    class Told(World):
+        def by_function(self, model, tried):
+            assert (MASS,) in [one.keys for one in tried]
+            return Model((PLAY,)), 0.83
+
+        def candidates(self, before, number):
+            return self.pointed(before, number)
+
+    found = Step(*PLAY, {}, {}, {}, 0.83, Mock(spec=Gaps), ())
+    monkeypatch.setattr("flexmodal.diagnosis.selection.described.told", lambda data, root, model, sure: found)
+    selection = Selection(Told(lambda keys: 20.0))
+    selection.run()
+    assert selection.steps == [found]
+    assert selection.current.keys == (PLAY,)
+    both = Selection(Told(lambda keys: 3.0 + 20 * len({DELAY, LINK} - keys), sure=True))
+    both.run()
+    assert both.steps == [found]
+    assert set(both.furthest.keys) >= {DELAY, LINK}  # which stands for what has no name
+
+
+class ByFunction(FrfData):
+    """One place explains everything, the torque of a joint, and takes energy; laws leave so much."""
+
+    asked, setup = None, None
+
+    def __init__(self, *, lone=True, stands=(), explained=False):
+        rubs = Found("torque", "q3", "", 8.0, (("torque", "q3"),), None, (), Loss(0.5, 0.5))
+        others = () if lone else (("torque", "q1"),)
+        look = Findings(
+            8.0, 0.7, (), (replace(rubs, alike=(*rubs.alike, *others)),), explains=True, needed=True, says=""
+        )
+        self._root, self.stands, self.done = fitted(), stands, explained
+        self._candidates = Mock(spec=FrfCandidates, looks=Mock(one=look))
+        self._candidates.searched = lambda before, number, allowed: [
+            fitted(key) for key in (RUBS, PLAYS, MASS) if allowed(*key)
+        ]
+
+    def standing(self, model):
+        return (model.hypothesis.keys, ()) if model.hypothesis.keys == (self.told,) else (self.stands, ())
+
+    def is_contradicted(self, model):
+        return False
+
+
+RUBS = ("coulomb_friction", "q3")
+
+
+@pytest.mark.parametrize(
+    ("given", "keys"),
+    [
+        ({}, (RUBS,)),
+        ({"stands": (RUBS, ("bearing_flexibility", "q3"))}, (RUBS,)),
+        ({"stands": (RUBS,)}, None),  # by its law already
+        ({"stands": (PLAYS,)}, None),
+        ({"lone": False}, None),
+        ({"explained": True}, None),
+    ],
+)
+def test_the_function_of_the_only_place_tells_an_effect_whose_law_is_unknown(monkeypatch, given, keys):
+    data, model, wide = ByFunction(**given), fitted(BASE), fitted(RUBS)
+    monkeypatch.setattr(frf_by_look, "explains", lambda data, model: data.done)
+    monkeypatch.setattr(frf_by_look, "over_noise", lambda setup, one: 2.0 if one is wide else 6.0)
+    found = data.by_function(model, [fitted(), model, fitted(RUBS), fitted(RUBS, BASE)])
+    assert data.told == (keys and keys[0])
+    assert keys is None or found[0].hypothesis.keys == keys
+    if keys:
+        assert found[1] == pytest.approx(1 / 1.2)
+        assert data.by_function(model, [fitted(RUBS), wide])[0] is wide
+        assert data.by_function(model, [])[0].hypothesis.keys == keys  # its law was not tried anywhere
+        assert FrfData.standing(data, found[0]) == (keys, ("q3",))
+
+
+def test_who_asks_for_effects_gets_no_others(monkeypatch):
+    data = ByFunction()
+    data.asked = {"added_mass": ()}
+    assert data.by_function(fitted(BASE), []) is None

@@ -7,6 +7,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of, undecided
+from flexmodal.diagnosis.lawfree.losses import loss_of
 from flexmodal.diagnosis.lawfree.pursuit import LawFree
 from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
 from flexmodal.diagnosis.lawfree.sighting import Sighting
@@ -44,7 +45,9 @@ def _found(look: LawFree, number: int) -> Found:
         every = undecided(classes_of(look.whole, curve, metric, number))
         classes = tuple(one for one in every if one.share >= OF_CLASS)
     alike = tuple(one.key for one in member.alike)
-    return Found(port.kind.name, port.where, port.kind.says, member.without, alike, curve, classes)
+    rubs = look.needed and port.kind.by_blow and port.kind.reads is None
+    loss = loss_of(look.whole, number) if rubs else None
+    return Found(port.kind.name, port.where, port.kind.says, member.without, alike, curve, classes, loss)
 
 
 def _place(one: Sighting) -> PlaceTried:

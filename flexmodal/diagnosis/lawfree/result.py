@@ -54,6 +54,16 @@ class Class:
 
 
 @dataclass(frozen=True)
+class Loss:
+    """How far the free torque of a joint takes energy."""
+
+    share: float
+    """Mean of the imaginary part over that of the size, of all blows."""
+    weaker: float
+    """The same of what a weak blow has more than a hard one."""
+
+
+@dataclass(frozen=True)
 class PlaceTried:
     """A port, fitted and judged."""
 
@@ -94,6 +104,8 @@ class Found:
     """None where it has no function in common to all postures."""
     classes: tuple[Class, ...]
     """Those that its curve may be of, the likeliest first; empty where it is of none."""
+    loss: Loss | None = None
+    """Of a torque with a function of its own for every blow."""
 
     def has(self, effect: str, where: str) -> bool:
         """Whether it can do what an effect of the catalogue does, at its place.
@@ -167,6 +179,12 @@ class Findings:
     def place(self) -> str:
         """Where the first one is."""
         return self.found[0].where
+
+    @property
+    def lone(self) -> Found | None:
+        """The only place that explains everything, which others can be told from; None if there is none."""
+        alone = self.needed and self.explains and len(self.found) == 1 and self.found[0].is_apart
+        return self.found[0] if alone else None
 
     def worth_trying(self, effect: str, where: str) -> bool:
         """Whether an effect is to be fitted at a place; if none explains all, those held out do not bar it.

@@ -18,7 +18,8 @@ what the named one leaves beyond that counts against it. Where the named one cou
 the look points to the same place so that what is left is due to the law and not to the place, something
 else is no better than what is named, and weighs `ALONE`, or `AGREES` where the curve has its class too.
 Where the re-tuned robot is at the noise already no error of a law can be larger than that, and lines count
-as in the evidence.
+as in the evidence. Where with its function free one place explains everything and no other does, only what
+sits there is compared: how narrow its law is says nothing for what sits elsewhere, or for nothing at all.
 
 Both weights, and the pieces, were tuned on campaigns of the virtual rig that judge nothing
 (`benchmarks/calibration.py`).
@@ -31,7 +32,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.result import Findings
@@ -86,12 +87,21 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     odds = AGREES if agrees else ALONE
     if needs_nothing(data, models[0]):
         return np.asarray(comparison.probability / (1 + odds))
-    found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds)
+    possible = _possible(look, [one.key for one in models], chosen)
+    found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds, possible)
     first = int(comparison.order[0])
     told = plausible(data, comparison)
     if chosen in told and first in told and chosen != first:
         return found
     return np.minimum(found, np.where(np.arange(len(found)) == chosen, comparison.probability, 1.0))
+
+
+def _possible(look: Findings, keys: Sequence[tuple[str, str]], chosen: int) -> Bool[np.ndarray, " model"]:
+    """Which models are not ruled out by the only place that explains everything without a law."""
+    lone = look.lone
+    if lone is None or not lone.has(*keys[chosen]):
+        return np.full(len(keys), True)
+    return np.array([lone.has(*key) for key in keys])
 
 
 def plausible(data: Looked, comparison: Comparison[FittedFrfs]) -> dict[int, float]:
@@ -146,6 +156,7 @@ def probabilities(
     pieces: float,
     noise: float,
     odds: float,
+    possible: Bool[np.ndarray, " model"] | None = None,
 ) -> Float[np.ndarray, " model"]:
     """Of the formula above.
 
@@ -157,8 +168,10 @@ def probabilities(
         pieces: ν.
         noise: sum of squares that something else would leave; what the chosen one leaves, if that is less.
         odds: of something else against the chosen one, were both equally good.
+        possible: which models are not ruled out, the chosen one among them; all by default.
     """
     score = _ln(costs, sizes, priors, pieces)
+    score = score if possible is None else np.where(possible, score, -np.inf)
     ideal = _ln(min(float(costs[chosen]), noise), sizes[chosen], priors[chosen], pieces)
     total = np.logaddexp.reduce(np.append(score, ideal + np.log(odds)))
     return np.asarray(np.exp(score - total))

@@ -201,6 +201,20 @@ class Data(ToldData[M], ABC, Generic[M]):
         """Which of several effects are sure though they leave more than noise, and how sure."""
         return {}
 
+    def by_function(self, model: M, tried: Sequence[M]) -> tuple[M, float] | None:
+        """The model of the effect that a free function alone tells, and how sure it is; None where none does.
+
+        Args:
+            model: with what was found by laws.
+            tried: every model that was compared.
+        """
+        return None
+
+    @property
+    def told(self) -> tuple[str, str] | None:
+        """Name and place of that effect, once it was asked for and there is one."""
+        return None
+
     def surely(self, model: M, key: tuple[str, str]) -> float | None:
         """How sure one of several effects is, beside what was considered in its place; None where unknown.
 

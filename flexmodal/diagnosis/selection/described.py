@@ -53,6 +53,18 @@ def step_of(data: Data[M], root: M, comparison: Comparison[M], chosen: int) -> S
     )
 
 
+def told(data: Data[M], root: M, model: M, sure: float) -> Step:
+    """The only effect, told by a free function whatever its law gains.
+
+    Args:
+        data: that models were fitted to.
+        root: the robot re-tuned.
+        model: with the effect.
+        sure: its confidence.
+    """
+    return untied(step_of(data, root, data.compare([root, model]), 1), sure)
+
+
 def built_up(data: Data[M], root: M, model: M) -> list[M]:
     """The models that come to one by its effects one after the other, in the order in which it has them.
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import on_base, within
 from flexmodal.diagnosis.lawfree.effects_at import DOES_MUCH, PORT_OF
 from flexmodal.diagnosis.lawfree.look import SOUND
+from flexmodal.diagnosis.lawfree.names import told_alone
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.search.explanations import best_of_each
-from flexmodal.diagnosis.selection.confidence import explains
+from flexmodal.diagnosis.selection.confidence import AGREES, ALONE, explains
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -45,6 +46,7 @@ class FrfsByLook(Data[FittedFrfs]):
     _refits: Refits
     _far: frozenset[tuple[tuple[str, str], tuple[str, str]]] = frozenset()
     """Effects and others that were far behind in their stead."""
+    _told: tuple[str, str] | None = None
     _settled: tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...], tuple[str, ...]] = (), (), ()
 
     @property
@@ -196,6 +198,8 @@ class FrfsByLook(Data[FittedFrfs]):
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
         """See `Data`: of the places that the law-free look points to, those whose curve tells the effect."""
         keys = model.hypothesis.keys
+        if keys == (self._told,):
+            return keys, keys[0][1:]
         if self.is_named(model):
             return keys, ()
         if self.dominates(model):
@@ -208,6 +212,32 @@ class FrfsByLook(Data[FittedFrfs]):
         met = {key: one for key, one in self.look.met(keys).items() if one.surely(key[0])}
         open_ = [one.where for one in self.look.found if one not in met.values()]
         return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
+
+    def by_function(self, model: FittedFrfs, tried: Sequence[FittedFrfs]) -> tuple[FittedFrfs, float] | None:
+        """See `Data`: of the only place that explains everything, where no law does so.
+
+        Unless something else is named. What is named beside it makes up for its law.
+        """
+        look = self._candidates.looks.one
+        key = None if self.asked is not None else told_alone(look)
+        if key is None or look.lone is None or (explains(self, model) and not self.is_contradicted(model)):
+            return None
+        stands, _ = self.standing(model)
+        if stands == (key,) or (stands and key not in stands):
+            return None
+        here = [one for one in tried if one.hypothesis.keys == (key,)]
+        here = here or self._candidates.searched(self.root, 0, lambda *one: one == key)
+        here = [one for one in here if one.hypothesis.keys == (key,)]
+        if not here:
+            return None
+        self._told = key
+        best = min(here, key=lambda one: over_noise(self.setup, one))
+        return best, 1 / (1 + (AGREES if look.lone.classes else ALONE))
+
+    @property
+    def told(self) -> tuple[str, str] | None:
+        """See `Data`."""
+        return self._told
 
     def _left_at(self, model: FittedFrfs) -> str:
         """Where more than noise is left: where a look beside its effects points, else see `place`."""

@@ -66,15 +66,19 @@ class ForwardSelection(Generic[M]):
         """The best pair of effects, added or not."""
 
     def run(self) -> None:
-        """Add effects until nothing significant is left; those that nobody misses go."""
+        """Add effects until nothing is left; those that nobody misses go, and what a function tells comes."""
         if not self.follow():
             with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
                 self.search()
-        if not self.rounds:  # there was no time for any
+        if not self.rounds:  # there was no time
             self._taken([self.root], 0)
-        if not (self.limit.was_hit and self.data.standing(self.current)[1]):  # who is not sure has no name
+        if not (self.limit.was_hit and self.data.standing(self.current)[1]):  # who is unsure has no name
             self.drop_needless()
             self.drop_hardly_possible()
+        tried = [one for told in self.rounds for one in told.comparison.models]
+        if (told := self.data.by_function(self.current, tried)) is not None:
+            self.furthest = self.current if self.steps else self.furthest
+            self.current, self.steps[:] = told[0], [described.told(self.data, self.root, *told)]
 
     def follow(self) -> bool:
         """Add effects where a look without a law points, each time beside those that are there.
@@ -164,8 +168,7 @@ class ForwardSelection(Generic[M]):
 
         Of which ones the data are sure is asked at the end.
         """
-        comparison = self.rounds[-1].comparison
-        best = comparison.best_effect
+        best = (comparison := self.rounds[-1].comparison).best_effect
         gains = best and comparison.first_gain(best) > 0
         if not self.steps or not gains or not takes(self.data, self.current, comparison.models[best], MUCH):
             return False
@@ -174,7 +177,6 @@ class ForwardSelection(Generic[M]):
         return True
 
     def _widened(self, keys: Collection[tuple[str, str]]) -> bool:
-        """A wider law for one of some effects, if that does better."""
         return self._bettered(widened(self.data, self.current, keys))
 
     def _bettered(self, other: M) -> bool:
@@ -215,10 +217,7 @@ class ForwardSelection(Generic[M]):
         return self.steps[-1]
 
     def exchange(self, pair: M) -> None:
-        """Look for the first effect again beside the second, where both together are not enough.
-
-        Alone, an effect takes up what it can of another one, and may then sit in the wrong place.
-        """
+        """Look for the first effect again beside the second: alone, one takes up what it can of another."""
         kept = self._state
         self.current, self.refused = self.data.without(pair, pair.hypothesis.keys[0]), []
         self.steps[:] = [self.describe(self.data.compare([self.root, self.current]), 1)]

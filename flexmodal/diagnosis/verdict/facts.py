@@ -41,6 +41,8 @@ class Facts:
     """A sentence, where looking for effects was cut off."""
     standing: tuple[tuple[str, str], ...] = ()
     """Effects that are sure although their laws leave more than noise."""
+    told: bool = False
+    """Whether the one that is was told by its function without a law."""
     lacking_at: tuple[str, ...] = ()
     """Places of what is missing besides."""
     contradicted: bool = False

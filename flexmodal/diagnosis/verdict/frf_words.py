@@ -58,6 +58,13 @@ def stand_in_words(effects: Sequence[tuple[str, str]], gaps: Gaps) -> str:
 def _partly(facts: Facts) -> str:
     names = enumeration([f"{facts.says[effect]} ({where})" for effect, where in facts.standing])
     one = len(facts.standing) == 1
+    reached = times_noise(facts.over_noise or math.nan)
+    if facts.told:
+        return (
+            f"Missing: {names}. So says its function without a law, which explains everything. The law that "
+            f"the catalogue has for it takes {percent(max(facts.share or 0.0, 0.0))} of the disagreement and "
+            f"leaves {reached}."
+        )
     why = f"for {'its law is' if one else 'their laws are'} not quite the catalogue's"
     if facts.lacking_at and set(facts.lacking_at) <= {where for _, where in facts.standing}:
         why += f", or something is missing besides at {enumeration(list(facts.lacking_at))}"
@@ -68,7 +75,7 @@ def _partly(facts: Facts) -> str:
         )
     return (
         f"Missing: {names}. {'It takes' if one else 'They take'} {percent(facts.share or 0.0)} of the "
-        f"disagreement; the model leaves {times_noise(facts.over_noise or math.nan)}, {why}."
+        f"disagreement; the model leaves {reached}, {why}."
     )
 
 

@@ -7,9 +7,10 @@ unknown beside them: their law is not quite what is there; so is what springs th
 leave above a closer limit. Where a floor shows that the model is not there, the name of its effect stands
 only if a law-free look points to the same place and class and the effect takes the larger part of the
 disagreement; what remains is told as unknown beside it, at the places to which the look points besides, or
-where the disagreement is largest. The only effect that would be is not named where it is hardly possible: far
-from the card, or less plausible than another. Where there is no floor, what was added stands beside what is
-left.
+where the disagreement is largest. An effect that the function of the only place tells which explains
+everything without a law stands in any case, with unknown beside it. The only other effect that would be is
+not named where it is hardly possible: far from the card, or less plausible than another. Where there is no
+floor, what was added stands beside what is left.
 """
 
 from __future__ import annotations
