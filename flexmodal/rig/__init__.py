@@ -9,6 +9,7 @@ from flexmodal.rig.forms import FURTHER as FURTHER
 from flexmodal.rig.forms import LATER as LATER
 from flexmodal.rig.forms import LOOKED_AT as LOOKED_AT
 from flexmodal.rig.forms import SEALED as SEALED
+from flexmodal.rig.forms import THIRD as THIRD
 from flexmodal.rig.forms import UNSEEN as UNSEEN
 from flexmodal.rig.hidden.hide import Hide as Hide
 from flexmodal.rig.hidden.hide import hide_places as hide_places

@@ -10,7 +10,7 @@ from jaxtyping import Complex, Float
 
 from flexmodal.campaign import CampaignPoint
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.geometry import part_of_turn
+from flexmodal.rig.plant.geometry import part_of_turn, turn
 
 Filter = Callable[[np.ndarray], np.ndarray]
 """Reading over truth by angular frequency [rad/s]."""
@@ -30,6 +30,9 @@ class Sensor:
     """Rotation of the sensor that stays the same in the world, whatever the posture."""
     following: tuple[Float[np.ndarray, "3 3"], float] | None = None
     """Axes of its link in the first posture, and the part of the link's turn since that it makes too."""
+    sagging: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
+    """How it stands out of its link, in the frame of the link, times the turn that its weight gives it where
+    that is level [rad]."""
     offset: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
     """From the marked point to where it truly measures, in the frame of the link [m]."""
     mass: float = 0.0
@@ -70,7 +73,13 @@ class Sensor:
         if self.following is not None:
             first, part = self.following
             nominal = part_of_turn(axes @ first.T, part) @ nominal
-        return self.leaning @ axes @ self.turned @ axes.T @ nominal
+        return self.leaning @ self._sagged(axes) @ axes @ self.turned @ axes.T @ nominal
+
+    def _sagged(self, axes: np.ndarray) -> np.ndarray:
+        """Rotation in the world by the vector `sagging` × down."""
+        pulled = np.cross(axes @ self.sagging, np.array([0.0, 0.0, -1.0]))
+        angle = float(np.linalg.norm(pulled))
+        return turn(pulled, angle) if angle > 0 else np.eye(3)
 
     def response(self, frequency: Float[np.ndarray, " line"]) -> Complex[np.ndarray, " line"]:
         """Reading over the acceleration along its direction."""

@@ -18,6 +18,7 @@ from flexmodal.rig import (
     LATER,
     LOOKED_AT,
     SEALED,
+    THIRD,
     UNSEEN,
     Hide,
     hide_places,
@@ -71,7 +72,7 @@ def drawn(stand, key: str, seed: int = 1):
 
 TABLES = {
     "looked at": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND,
-    "further": FURTHER,
+    "further": FURTHER, "third": THIRD,
 }  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """Every effect in several physical forms, and which of them may be looked at when a diagnosis is tuned.
 
 `FORMS[name]["own"]` is the effect as the rig has always had it. Forms of one effect share its name, and
-nothing of their laws. Those `SEALED`, `UNSEEN`, `LATER`, `BLIND` and `FURTHER` are for exams alone.
+nothing of their laws. Those `SEALED`, `UNSEEN`, `LATER`, `BLIND`, `FURTHER` and `THIRD` are for exams alone.
 """
 
 from __future__ import annotations
@@ -30,6 +30,10 @@ from flexmodal.rig.forms import (
     sensors,
     servo_compliance,
     structural_damping,
+    third_bodies,
+    third_drives,
+    third_joints,
+    third_sensors,
 )
 
 FORMS: dict[str, dict[str, Effect]] = {name: {effect.form: effect} for name, effect in EFFECTS.items()}
@@ -39,7 +43,7 @@ for _room in (
     nonlinear_stiffness, joint_coupling, added_mass, local_absorber, sensor_mass, sensors,
     sensor_alignment, bearing_flexibility, base_carriage, base_pedestal, base_gantry,
     link_plates, joint_remote, further_bodies, further_drives, further_joints,
-    further_sensors,
+    further_sensors, third_bodies, third_drives, third_joints, third_sensors,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect
@@ -150,6 +154,24 @@ FURTHER: dict[str, tuple[str, ...]] = {
     "bearing_flexibility": ("overhung",),
 }
 """Likewise, by a second author who did not know how the diagnosis works."""
+
+THIRD: dict[str, tuple[str, ...]] = {
+    "link_flexibility": ("telescoped",),
+    "base_flexibility": ("rubber_mounts",),
+    "servo_compliance": ("accelerated",),
+    "structural_damping": ("creeping",),
+    "coulomb_friction": ("eccentric",),
+    "nonlinear_stiffness": ("spider",),
+    "joint_coupling": ("oil_line",),
+    "added_mass": ("pipe",),
+    "local_absorber": ("panel",),
+    "sensor_mass": ("whipping",),
+    "sensor_gain": ("equalised",),
+    "time_delay": ("interpolated",),
+    "sensor_misalignment": ("sagging",),
+    "bearing_flexibility": ("load_zone",),
+}
+"""Likewise, by a third such author."""
 
 
 def find(name: str, form: str = "own") -> Effect:
