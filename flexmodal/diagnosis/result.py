@@ -137,7 +137,7 @@ def facts_of(selection: ForwardSelection[M], found: Conclusion[M], modal: Findin
         lacking=dict(modal.left) if modal is not None else data.lacking(last),
         open_=not selection.steps and any_gains(first) is Answer.YES,
         standing=standing,
-        told=data.told is not None,
+        told=bool(data.told) and set(data.told) == set(last.hypothesis.keys),
         lacking_at=lacking_at,
         contradicted=data.is_contradicted(last),
         unlike=unlike(last.hypothesis, last.x, data.covariance(last)),

@@ -431,4 +431,4 @@ def test_what_a_function_tells_is_named_whatever_its_law_leaves():
     assert found.effects == (("sensor_gain", "tip"), ("unknown", "tip"))
     assert not found.explained
     assert "So says its function without a law" in found.says
-    assert "takes < 1 % of the disagreement and leaves 7.1 × the noise" in found.says
+    assert "it takes < 1 % of the disagreement; the model leaves 7.1 × the noise" in found.says

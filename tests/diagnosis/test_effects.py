@@ -1517,6 +1517,22 @@ def test_a_hum_filter_takes_the_mains_out_of_what_a_sensor_reads(standing, depth
     )
 
 
+def test_a_resonance_may_be_taken_out_of_readings_in_which_it_is_not(standing):
+    context, observed, stand = standing
+    where = context.sensors[0]
+    here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
+    wide, still = effect_of("sensor_gain" + NEXT), {"gain": 1.0, "exponent": 0.0, "high_pass": 1e-3}
+    taken = {"mount_order": -1.0, "mount_frequency": 300.0, "mount_damping_ratio": 0.05}
+    plain = ours(context, observed, wide, where, {**still, "mount_frequency": 1e5})
+    found = ours(context, observed, wide, where, {**still, **taken})
+    sensor, site = Sensor(), Site(stand, where, {"resonance": 300.0, "damping_ratio": 0.05})
+    FORMS["sensor_gain"]["equalised"].sense({where: sensor}, site)
+    (told,) = sensor.filters
+    factor = told(2 * np.pi * observed.axis.frequency)
+    np.testing.assert_allclose(found[here], plain[here] * factor, rtol=1e-3)
+    assert np.abs(np.log(np.abs(factor))).max() > 0.1
+
+
 @pytest.mark.parametrize("joint", ["q1", "q4"])
 def test_a_pinion_pushes_aside_what_a_bearing_carries(spatial, joint):
     """As in the rig: the spring and damper of the joint feel its turn and the shift over the base radius."""

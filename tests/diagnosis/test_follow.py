@@ -14,7 +14,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.look import SOUND
-from flexmodal.diagnosis.lawfree.result import Findings, Found, Loss, PlaceTried
+from flexmodal.diagnosis.lawfree.result import Curve, Findings, Found, Loss, PlaceTried
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
 from flexmodal.diagnosis.selection import (
@@ -1471,13 +1471,15 @@ def test_what_a_function_alone_tells_is_named_where_no_law_is(monkeypatch):
     class Told(World):
         def by_function(self, model, tried):
             assert (MASS,) in [one.keys for one in tried]
-            return Model((PLAY,)), 0.83
+            return Model((PLAY,)), {PLAY: 0.83}
 
         def candidates(self, before, number):
             return self.pointed(before, number)
 
     found = Step(*PLAY, {}, {}, {}, 0.83, Mock(spec=Gaps), ())
-    monkeypatch.setattr("flexmodal.diagnosis.selection.described.told", lambda data, root, model, sure: found)
+    monkeypatch.setattr(
+        "flexmodal.diagnosis.selection.described.told", lambda data, root, model, sure: [found]
+    )
     selection = Selection(Told(lambda keys: 20.0))
     selection.run()
     assert selection.steps == [found]
@@ -1489,58 +1491,87 @@ def test_what_a_function_alone_tells_is_named_where_no_law_is(monkeypatch):
 
 
 class ByFunction(FrfData):
-    """One place explains everything, the torque of a joint, and takes energy; laws leave so much."""
+    """One place explains everything, or several do together; laws leave so much."""
 
     asked, setup = None, None
 
-    def __init__(self, *, lone=True, stands=(), explained=False):
-        rubs = Found("torque", "q3", "", 8.0, (("torque", "q3"),), None, (), Loss(0.5, 0.5))
-        others = () if lone else (("torque", "q1"),)
-        look = Findings(
-            8.0, 0.7, (), (replace(rubs, alike=(*rubs.alike, *others)),), explains=True, needed=True, says=""
-        )
+    def __init__(self, *found, stands=(), explained=(), alike=()):
+        found = tuple(replace(one, alike=(*one.alike, *alike)) for one in found)
+        look = Findings(8.0, 0.7, (), found, explains=True, needed=True, says="")
+        one = look if len(found) == 1 else replace(look, found=found[:1], explains=False)
         self._root, self.stands, self.done = fitted(), stands, explained
-        self._candidates = Mock(spec=FrfCandidates, looks=Mock(one=look))
-        self._candidates.searched = lambda before, number, allowed: [
-            fitted(key) for key in (RUBS, PLAYS, MASS) if allowed(*key)
+        self._candidates = Mock(spec=FrfCandidates, looks=Mock(one=one, several=look))
+        self._candidates.searched = lambda before, number, allowed, by_force: [
+            fitted(*before.hypothesis.keys, key) for key in (RUBS, WEIGHS, PLAYS, MASS) if allowed(*key)
         ]
 
     def standing(self, model):
-        return (model.hypothesis.keys, ()) if model.hypothesis.keys == (self.told,) else (self.stands, ())
+        return super().standing(model) if self.told else (self.stands, ())
 
     def is_contradicted(self, model):
         return False
 
 
-RUBS = ("coulomb_friction", "q3")
+RUBS, WEIGHS = ("coulomb_friction", "q3"), ("sensor_mass", "sensor")
+TORQUE = Found("torque", "q3", "", 8.0, (("torque", "q3"),), None, (), Loss(0.5, 0.5))
+CARRIED = Found("carried", "sensor", "", 8.0, (("carried", "sensor"),), Mock(spec=Curve), ())
+ODD = Found("rod", "q1+q3", "", 8.0, (("rod", "q1+q3"),), Mock(spec=Curve), ())
 
 
 @pytest.mark.parametrize(
-    ("given", "keys"),
+    ("found", "given", "keys", "left"),
     [
-        ({}, (RUBS,)),
-        ({"stands": (RUBS, ("bearing_flexibility", "q3"))}, (RUBS,)),
-        ({"stands": (RUBS,)}, None),  # by its law already
-        ({"stands": (PLAYS,)}, None),
-        ({"lone": False}, None),
-        ({"explained": True}, None),
+        ([TORQUE], {}, (RUBS,), ("q3",)),
+        ([TORQUE], {"stands": (RUBS, ("bearing_flexibility", "q3"))}, (RUBS,), ("q3",)),
+        ([TORQUE], {"stands": (RUBS,)}, None, ()),  # by its law already
+        ([TORQUE], {"stands": (PLAYS,)}, None, ()),
+        ([TORQUE], {"alike": (("torque", "q1"),)}, None, ()),
+        ([TORQUE], {"explained": (RUBS,)}, None, ()),
+        ([TORQUE], {"explained": (PLAYS,)}, (RUBS,), ("q3",)),  # wide laws do what no such thing does
+        ([TORQUE], {"explained": (RUBS, PLAYS)}, (RUBS,), ("q3",)),
+        ([TORQUE], {"explained": (PLAYS, MASS)}, (RUBS, MASS), ("q3",)),
+        ([TORQUE], {"explained": (RUBS, MASS)}, None, ()),
+        ([TORQUE], {"explained": (MASS,)}, None, ()),
+        ([CARRIED, TORQUE], {"explained": (PLAYS,)}, None, ()),
+        ([ODD], {}, None, ()),
+        ([CARRIED, TORQUE], {}, (WEIGHS, RUBS), ("sensor", "q3")),
+        ([CARRIED, ODD], {}, (WEIGHS,), ("q1+q3",)),
+        ([CARRIED, TORQUE], {"stands": (MASS,)}, (MASS, WEIGHS, RUBS), ("sensor", "q3")),
+        ([CARRIED, TORQUE], {"stands": (RUBS, MASS)}, (RUBS, MASS, WEIGHS), ("sensor", "q3")),
+        ([CARRIED, TORQUE], {"stands": (PLAYS,)}, None, ()),
+        ([CARRIED, ODD], {"stands": (WEIGHS,)}, None, ()),
     ],
 )
-def test_the_function_of_the_only_place_tells_an_effect_whose_law_is_unknown(monkeypatch, given, keys):
-    data, model, wide = ByFunction(**given), fitted(BASE), fitted(RUBS)
-    monkeypatch.setattr(frf_by_look, "explains", lambda data, model: data.done)
+def test_functions_tell_effects_whose_laws_are_unknown(monkeypatch, found, given, keys, left):
+    data, model = ByFunction(*found, **given), fitted(*given.get("explained", (BASE,)))
+    monkeypatch.setattr(frf_by_look, "explains", lambda data, model: bool(data.done))
+    monkeypatch.setattr(frf_by_look, "over_noise", lambda setup, one: 6.0)
+    got = data.by_function(model, [fitted(), model])
+    assert data.told == (keys or ())
+    if keys is None:
+        assert got is None
+        return
+    assert got[0].hypothesis.keys == keys
+    assert list(got[1].values()) == pytest.approx([1 / 1.2] * len(got[1]))
+    assert data.standing(got[0]) == (keys, left)
+
+
+def test_the_best_of_the_models_that_were_tried_stands_for_what_is_told(monkeypatch):
+    data, wide = ByFunction(TORQUE), fitted(RUBS)
+    monkeypatch.setattr(frf_by_look, "explains", lambda data, model: False)
     monkeypatch.setattr(frf_by_look, "over_noise", lambda setup, one: 2.0 if one is wide else 6.0)
-    found = data.by_function(model, [fitted(), model, fitted(RUBS), fitted(RUBS, BASE)])
-    assert data.told == (keys and keys[0])
-    assert keys is None or found[0].hypothesis.keys == keys
-    if keys:
-        assert found[1] == pytest.approx(1 / 1.2)
-        assert data.by_function(model, [fitted(RUBS), wide])[0] is wide
-        assert data.by_function(model, [])[0].hypothesis.keys == keys  # its law was not tried anywhere
-        assert FrfData.standing(data, found[0]) == (keys, ("q3",))
+    assert data.by_function(fitted(BASE), [fitted(RUBS), wide, fitted(RUBS, BASE)])[0] is wide
 
 
-def test_who_asks_for_effects_gets_no_others(monkeypatch):
-    data = ByFunction()
+def test_what_has_no_fit_is_not_told(monkeypatch):
+    data = ByFunction(TORQUE)
+    data._candidates.searched = lambda *given, **more: []
+    monkeypatch.setattr(frf_by_look, "explains", lambda data, model: False)
+    assert data.by_function(fitted(BASE), []) is None
+    assert data.told == ()
+
+
+def test_who_asks_for_effects_gets_no_others():
+    data = ByFunction(TORQUE)
     data.asked = {"added_mass": ()}
     assert data.by_function(fitted(BASE), []) is None

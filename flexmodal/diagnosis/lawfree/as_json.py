@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmodal.diagnosis.lawfree.names import told_by
 from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
 
 
@@ -19,11 +20,11 @@ def look_json(look: Findings) -> dict[str, Any]:
         "explains": look.explains,
         "places": [_place(one) for one in look.places],
         "misfit_left": _finite(look.left),
-        "found": [_found(one) for one in look.found],
+        "found": [_found(one, look) for one in look.found],
     }
 
 
-def _found(one: Found) -> dict[str, Any]:
+def _found(one: Found, look: Findings) -> dict[str, Any]:
     return {
         "port": one.port,
         "where": one.where,
@@ -31,6 +32,10 @@ def _found(one: Found) -> dict[str, Any]:
         "alike": [list(key) for key in one.alike],
         "curve": None if one.curve is None else _curve(one.curve),
         "classes": [_class(each) for each in one.classes],
+        "loss": None
+        if one.loss is None
+        else {"share": _finite(one.loss.share), "weaker": _finite(one.loss.weaker)},
+        "tells": told_by(one) if look.explains and one.is_apart else None,
     }
 
 

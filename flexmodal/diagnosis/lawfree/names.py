@@ -6,22 +6,23 @@ large or too small has a gain, or a phase that comes back. What moves along as a
 pulls against the motion where it is fast is attached by a spring. A torque that takes energy, and the more
 the weaker the blow, rubs. Foundations and bearings are not told like this: a machine beside the robot, felt
 through the floor, acts at the same place in the same way. Nor are springs that are not straight, as play is
-none, nor misaligned sensors, as one that clips is none.
+none, nor misaligned sensors, as one that clips is none, nor couplings of two joints, as a link between these
+that bends does much the same.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF, PORT_OF, holds
+from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF, PORT_OF
 from flexmodal.diagnosis.lawfree.port import BETWEEN
-from flexmodal.diagnosis.lawfree.result import Curve, Findings, Found, Loss
+from flexmodal.diagnosis.lawfree.result import Curve, Found, Loss
 
 WHATEVER = ("carried", "damping", "joint", "link")
 """Kinds of port whose functions of no known class are that of their only effect, too."""
 BODIES = ("body", "ground")
 """Those of bodies, which may be a mass or an absorber."""
-OF_CLASS = ("coupling", *BODIES, *WHATEVER)
+OF_CLASS = (*BODIES, *WHATEVER)
 """Those that are told by a class. At joints springs, dampers and masses are the robot's own."""
 TREND = (0.7, 0.97)
 """Part of a sensor's squared phase that grows with the frequency: at most of a gain, at least of a delay.
@@ -37,16 +38,6 @@ along or pulls against the motion in one."""
 RUBS = 0.12, 0.1
 """`Loss.share` and `Loss.weaker` from which a torque rubs. Of fifteen that were looked at seven that do had
 0.16 and 0.18 at least, eight springs and clearances 0.06 and 0.15 at most."""
-
-
-def told_alone(look: Findings) -> tuple[str, str] | None:
-    """Name and place of the effect that the only place which explains everything is; None if none is told.
-
-    Args:
-        look: for one place.
-    """
-    name = None if look.lone is None else told_by(look.lone)
-    return None if look.lone is None or name is None else (name, look.lone.where)
 
 
 def told_by(found: Found) -> str | None:
@@ -65,10 +56,11 @@ def told_by(found: Found) -> str | None:
         return None
     if not found.classes and found.port in BODIES:
         return "local_absorber" if _is_attached(found.curve) else None
-    key = found.port, found.where
-    able = [name for name, port in PORT_OF.items() if holds(key, (port, found.where))]
+    port = "body" if found.port in BODIES else found.port
+    able = [name for name, one in PORT_OF.items() if one == port]
     if found.classes:
-        able = [name for name in able if found.classes[0].name in CLASSES_OF.get(name, ())]
+        known = {one.name for one in found.classes}
+        able = [name for name in able if known & set(CLASSES_OF.get(name, ()))]
     elif found.port not in WHATEVER:
         return None
     return able[0] if len(able) == 1 else None

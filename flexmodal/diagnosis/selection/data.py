@@ -201,8 +201,8 @@ class Data(ToldData[M], ABC, Generic[M]):
         """Which of several effects are sure though they leave more than noise, and how sure."""
         return {}
 
-    def by_function(self, model: M, tried: Sequence[M]) -> tuple[M, float] | None:
-        """The model of the effect that a free function alone tells, and how sure it is; None where none does.
+    def by_function(self, model: M, tried: Sequence[M]) -> tuple[M, Mapping[tuple[str, str], float]] | None:
+        """A model with the effects that free functions tell, and how sure each is; None where none is told.
 
         Args:
             model: with what was found by laws.
@@ -211,9 +211,9 @@ class Data(ToldData[M], ABC, Generic[M]):
         return None
 
     @property
-    def told(self) -> tuple[str, str] | None:
-        """Name and place of that effect, once it was asked for and there is one."""
-        return None
+    def told(self) -> tuple[tuple[str, str], ...]:
+        """Names and places of its effects, once it was asked for."""
+        return ()
 
     def surely(self, model: M, key: tuple[str, str]) -> float | None:
         """How sure one of several effects is, beside what was considered in its place; None where unknown.

@@ -53,16 +53,18 @@ def step_of(data: Data[M], root: M, comparison: Comparison[M], chosen: int) -> S
     )
 
 
-def told(data: Data[M], root: M, model: M, sure: float) -> Step:
-    """The only effect, told by a free function whatever its law gains.
+def told(data: Data[M], root: M, model: M, sure: Mapping[tuple[str, str], float]) -> list[Step]:
+    """Effects of which some are told by free functions, whatever their laws gain.
 
     Args:
         data: that models were fitted to.
         root: the robot re-tuned.
-        model: with the effect.
-        sure: its confidence.
+        model: with the effects.
+        sure: confidence of those that are.
     """
-    return untied(step_of(data, root, data.compare([root, model]), 1), sure)
+    pairs = [list(pair) for pair in pairwise(built_up(data, root, model))]
+    steps = [step_of(data, root, data.compare(pair), 1) for pair in pairs]
+    return [untied(one, sure.get((one.effect, one.where), one.confidence)) for one in steps]
 
 
 def built_up(data: Data[M], root: M, model: M) -> list[M]:

@@ -9,10 +9,10 @@ from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import on_base, within
 from flexmodal.diagnosis.lawfree.effects_at import DOES_MUCH, PORT_OF
 from flexmodal.diagnosis.lawfree.look import SOUND
-from flexmodal.diagnosis.lawfree.names import told_alone
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.search.explanations import best_of_each
-from flexmodal.diagnosis.selection.confidence import AGREES, ALONE, explains
+from flexmodal.diagnosis.selection.by_function import fitted_with, told_of, wanted
+from flexmodal.diagnosis.selection.confidence import explains
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -46,7 +46,8 @@ class FrfsByLook(Data[FittedFrfs]):
     _refits: Refits
     _far: frozenset[tuple[tuple[str, str], tuple[str, str]]] = frozenset()
     """Effects and others that were far behind in their stead."""
-    _told: tuple[str, str] | None = None
+    _told: tuple[tuple[tuple[str, str], ...], tuple[str, ...]] = (), ()
+    """Effects that are told by functions, and where something is left."""
     _settled: tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...], tuple[str, ...]] = (), (), ()
 
     @property
@@ -198,8 +199,8 @@ class FrfsByLook(Data[FittedFrfs]):
     def standing(self, model: FittedFrfs) -> tuple[tuple[tuple[str, str], ...], tuple[str, ...]]:
         """See `Data`: of the places that the law-free look points to, those whose curve tells the effect."""
         keys = model.hypothesis.keys
-        if keys == (self._told,):
-            return keys, keys[0][1:]
+        if keys and set(keys) == set(self._told[0]):
+            return keys, self._told[1]
         if self.is_named(model):
             return keys, ()
         if self.dominates(model):
@@ -213,31 +214,41 @@ class FrfsByLook(Data[FittedFrfs]):
         open_ = [one.where for one in self.look.found if one not in met.values()]
         return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
 
-    def by_function(self, model: FittedFrfs, tried: Sequence[FittedFrfs]) -> tuple[FittedFrfs, float] | None:
-        """See `Data`: of the only place that explains everything, where no law does so.
+    def by_function(
+        self, model: FittedFrfs, tried: Sequence[FittedFrfs]
+    ) -> tuple[FittedFrfs, Mapping[tuple[str, str], float]] | None:
+        """See `Data`: of places that explain everything without a law, where no law does so."""
+        if self.asked is not None:
+            return None
+        looks = self._candidates.looks
+        done = explains(self, model) and not self.is_contradicted(model)
+        if done and looks.one.lone is None:
+            return None
+        told = told_of(looks.one, lambda: looks.several)
+        named = model.hypothesis.keys if done else self.standing(model)[0]
+        keys = wanted(told, named, lone=looks.one.lone is not None, explained=done) if told else ()
+        if not keys:
+            return None
 
-        Unless something else is named. What is named beside it makes up for its law.
-        """
-        look = self._candidates.looks.one
-        key = None if self.asked is not None else told_alone(look)
-        if key is None or look.lone is None or (explains(self, model) and not self.is_contradicted(model)):
+        def searched(before: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
+            number = len(before.hypothesis.keys)
+            return self._candidates.searched(before, number, lambda *one: one == key, by_force=True)
+
+        def far(one: FittedFrfs) -> float:
+            return over_noise(self.setup, one)
+
+        found = fitted_with(keys, self.root, tried, searched, far)
+        if found is None:
             return None
-        stands, _ = self.standing(model)
-        if stands == (key,) or (stands and key not in stands):
-            return None
-        here = [one for one in tried if one.hypothesis.keys == (key,)]
-        here = here or self._candidates.searched(self.root, 0, lambda *one: one == key)
-        here = [one for one in here if one.hypothesis.keys == (key,)]
-        if not here:
-            return None
-        self._told = key
-        best = min(here, key=lambda one: over_noise(self.setup, one))
-        return best, 1 / (1 + (AGREES if look.lone.classes else ALONE))
+        look = looks.one if looks.one.explains else looks.several
+        open_ = [one.where for one in look.found if one.where not in {where for _, where in keys}]
+        self._told = keys, tuple(dict.fromkeys(open_)) or tuple(dict.fromkeys(where for _, where in told))
+        return found, told
 
     @property
-    def told(self) -> tuple[str, str] | None:
+    def told(self) -> tuple[tuple[str, str], ...]:
         """See `Data`."""
-        return self._told
+        return self._told[0]
 
     def _left_at(self, model: FittedFrfs) -> str:
         """Where more than noise is left: where a look beside its effects points, else see `place`."""

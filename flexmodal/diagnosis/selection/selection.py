@@ -76,9 +76,10 @@ class ForwardSelection(Generic[M]):
             self.drop_needless()
             self.drop_hardly_possible()
         tried = [one for told in self.rounds for one in told.comparison.models]
-        if (told := self.data.by_function(self.current, tried)) is not None:
-            self.furthest = self.current if self.steps else self.furthest
-            self.current, self.steps[:] = told[0], [described.told(self.data, self.root, *told)]
+        with suppress(OutOfTime), self.limit.counting(at_least=1 - FOR_EFFECTS):
+            if (told := self.data.by_function(self.current, tried)) is not None:
+                self.furthest = self.current if self.steps else self.furthest
+                self.current, self.steps[:] = told[0], described.told(self.data, self.root, *told)
 
     def follow(self) -> bool:
         """Add effects where a look without a law points, each time beside those that are there.

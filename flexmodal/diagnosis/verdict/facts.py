@@ -42,7 +42,7 @@ class Facts:
     standing: tuple[tuple[str, str], ...] = ()
     """Effects that are sure although their laws leave more than noise."""
     told: bool = False
-    """Whether the one that is was told by its function without a law."""
+    """Whether some of these were told by their functions without a law."""
     lacking_at: tuple[str, ...] = ()
     """Places of what is missing besides."""
     contradicted: bool = False

@@ -60,10 +60,11 @@ def _partly(facts: Facts) -> str:
     one = len(facts.standing) == 1
     reached = times_noise(facts.over_noise or math.nan)
     if facts.told:
+        how = "So says its function" if one else "So say their functions"
         return (
-            f"Missing: {names}. So says its function without a law, which explains everything. The law that "
-            f"the catalogue has for it takes {percent(max(facts.share or 0.0, 0.0))} of the disagreement and "
-            f"leaves {reached}."
+            f"Missing: {names}. {how} without a law, with which everything is explained. By the "
+            f"catalogue's law{'' if one else 's'} {'it takes' if one else 'they take'} "
+            f"{percent(max(facts.share or 0.0, 0.0))} of the disagreement; the model leaves {reached}."
         )
     why = f"for {'its law is' if one else 'their laws are'} not quite the catalogue's"
     if facts.lacking_at and set(facts.lacking_at) <= {where for _, where in facts.standing}:
