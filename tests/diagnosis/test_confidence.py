@@ -167,7 +167,7 @@ def test_where_one_place_alone_explains_everything_nothing_elsewhere_is_compared
         )
         for one, cost, strong in ((("none", ""), 2.0, 0.0), (key, 1.0, 12.0))
     ]
-    compared = Mock(spec=Comparison, models=models, probability=np.array([0.0, 1.0]), order=[1, 0])
+    compared = Mock(spec=Comparison, models=models, probability=np.array([0.9, 0.1]), order=[0, 1])
     found = confidence.confidences(data, compared, 1)
     assert found[0] == pytest.approx(others, abs=0.1)
     assert found[1] == pytest.approx(1 / (1 + confidence.AGREES) if apart else 0.04, abs=0.04)

@@ -15,7 +15,7 @@ from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.hinges import gauss, quadrature, shares
-from flexmodal.diagnosis.effects.sensors import mounted
+from flexmodal.diagnosis.effects.sensors import axes_of, mounted
 from flexmodal.diagnosis.effects.servo_compliance import loop, loop_stiffness
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
@@ -1248,6 +1248,26 @@ def test_a_sensor_may_follow_its_link_by_a_part_of_its_turn(request, arm, part):
     np.testing.assert_allclose(found, expected, atol=1e-12)
     np.testing.assert_allclose(found[0], way, atol=1e-12)
     assert np.abs(found[1:] - way).max() > 0.01
+
+
+@pytest.mark.parametrize("arm", ["bench", "spatial"])
+def test_a_sensor_may_sag_under_its_weight_as_that_of_the_rig(request, arm):
+    context, *_ = request.getfixturevalue(arm)
+    effect, where = effect_of("sensor_misalignment" + NEXT), context.sensors[-1]
+    link, way = context.point(where).link, np.array([0.6, 0.0, 0.8])
+    axes = np.array([one.placed[link][:3, :3] for one in context.arms])
+    assembly = Mock(spec=Assembly, axes=lambda link: axes)
+    sags = {"following": 0.0, "sag_1": 0.3, "sag_2": -0.2, "sag_3": 0.1}
+    placement = Placement.still(context, where, {**AS_SET, **sags})
+    found = effect.turn(assembly, placement, where, way)
+    frame = axes_of(assembly, context, link)
+    out = frame[0] @ [0.3, -0.2, 0.1 if context.normal is None else 0.0]
+    sensor = Sensor(sagging=axes[0].T @ out)
+    expected = [sensor.direction(one, way) for one in axes]
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+    assert np.abs(found - way).max() > 0.01
+    starts = effect_of("sensor_misalignment").next_level.starts(context, where, {})
+    assert any(start.get("sag_1") for start in starts)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

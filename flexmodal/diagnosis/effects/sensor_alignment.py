@@ -1,7 +1,8 @@
 """A sensor that looks elsewhere than recorded: turned on its link or in the world, askew, axes exchanged.
 
 One that is set anew in each posture along axes of the world may follow its link by a part of the turn that it
-has made since the first posture.
+has made since the first posture. One that sits on something soft may sag: its weight turns it the farther,
+the more level it stands out of its link.
 """
 
 from __future__ import annotations
@@ -88,6 +89,8 @@ FOLLOWING = "following"
 """Part of the turn of its link since the first posture that it has made too: 0 where it is as recorded."""
 FOLLOWED = (-1.0, -0.8, -0.5, -0.25, 0.25, 0.5, 0.8, 1.0)
 """Of it, from which fits start; 0.8 is too far from 1 where links turn by a right angle."""
+SAGS = 0.3
+"""Turn of one that stands out level, from which fits of one that sags start [rad]."""
 ANY, QUARTER = 3.2, np.pi / 2
 """Angle up to which a sensor is turned by the wider law, and the turns of a cube from which fits start: what
 is mounted on another of its faces, or read by other cables."""
@@ -119,7 +122,25 @@ def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed(MIRRORED, "", 0.15, -0.2, 1.2),
         *lean,
         signed(FOLLOWING, "", 0.2, -1.5, 1.5),
+        *(signed(name, "rad", 0.15, -1.3, 1.3) for name in _sags(context)),
     )
+
+
+def _sags(context: Context) -> tuple[str, ...]:
+    """How far it sags where it stands out level, along axes of its link; in a plane along it and beside."""
+    return ("sag_1", "sag_2") if context.normal is not None else ("sag_1", "sag_2", "sag_3")
+
+
+def _sagged(assembly: Assembly, placement: Placement, way: np.ndarray) -> np.ndarray:
+    """Turned about the level axis across how it stands out, as by a weight on a spring that turns."""
+    context = placement.context
+    size = np.zeros(3)
+    for k, name in enumerate(_sags(context)):
+        size[k] = placement.values.get(name, 0.0)
+    if not size.any():
+        return way
+    frame = axes_of(assembly, context, context.point(placement.where).link)
+    return turned(np.cross(frame @ size, [0.0, 0.0, -1.0]), way)
 
 
 def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
@@ -127,16 +148,23 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
 
     In a plane a turn of the world is one with the link.
     """
+    sags = [{**values, name: way * SAGS} for name in _sags(context) for way in (1, -1)]
     follows = [start for part in FOLLOWED for start in ({**values, FOLLOWING: part}, {FOLLOWING: part})]
     if context.normal is not None:
         quarters = [{**values, "angle": angle} for angle in (0.0, QUARTER, -QUARTER, 2 * QUARTER)]
-        return [values, *follows, *({**one, MIRRORED: side} for side in (0.0, 1.0) for one in quarters)]
+        return [
+            values,
+            *sags,
+            *follows,
+            *({**one, MIRRORED: side} for side in (0.0, 1.0) for one in quarters),
+        ]
     upright = {f"angle_{axis}": 0.0 for axis in "xyz"}
     leans = [{k.replace("angle", "lean"): v for k, v in one.items()} for one in _tilt_starts(context, where)]
     leaning = [{**beside, **lean} for beside in (values, upright) for lean in leans]
     cube = [dict(zip(upright, turn, strict=True)) for turn in _turns_of_a_cube()]
     return [
         values,
+        *sags,
         *follows,
         *leaning,
         *({**values, **one, MIRRORED: side} for side in (0.0, 1.0) for one in cube),
@@ -176,11 +204,12 @@ def _followed(assembly: Assembly, placement: Placement, way: np.ndarray) -> np.n
 
 
 def _widely_turned(assembly: Assembly, placement: Placement, point: str, way: np.ndarray) -> np.ndarray:
-    """Stretched and turned on its link, and set up anew in each posture, leaning alike in the world."""
+    """Stretched, turned on its link, sagging, and set up anew in each posture, leaning alike in the world."""
     if point != placement.where:
         return way
     followed = _followed(assembly, placement, way)
     found = _turn(assembly, placement, point, _stretched(assembly, placement, followed))
+    found = _sagged(assembly, placement, found)
     if placement.context.normal is not None:
         return found
     return turned(np.array([placement[f"lean_{axis}"] for axis in "xyz"]), found)

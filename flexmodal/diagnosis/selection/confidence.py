@@ -93,7 +93,8 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     told = plausible(data, comparison)
     if chosen in told and first in told and chosen != first:
         return found
-    return np.minimum(found, np.where(np.arange(len(found)) == chosen, comparison.probability, 1.0))
+    among = comparison.probability / max(float(comparison.probability[possible].sum()), 1e-300)
+    return np.minimum(found, np.where(np.arange(len(found)) == chosen, among, 1.0))
 
 
 def _possible(look: Findings, keys: Sequence[tuple[str, str]], chosen: int) -> Bool[np.ndarray, " model"]:
