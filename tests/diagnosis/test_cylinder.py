@@ -58,6 +58,9 @@ def test_a_lever_turns_as_that_of_the_rig(tested):
     np.testing.assert_allclose(found, wanted / np.sqrt(np.mean(wanted**2)), rtol=1e-12)
     assert lever_of(replace(still, values={**still.values, "lever": 0.0})).tolist() == [1.0] * 3
     assert lever_of(replace(still, values={})).tolist() == [1.0] * 3
+    dead = replace(still, where="q1", values={**still.values, "lever_angle": 0.0})
+    stands = replace(context, postures=tuple(replace(one, q={}) for one in context.postures))
+    assert lever_of(replace(dead, context=stands)).tolist() == [0.0] * 3
 
 
 @pytest.mark.usefixtures("one_loop")

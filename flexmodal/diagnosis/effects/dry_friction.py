@@ -95,6 +95,8 @@ _CARRIED = ("growing", "wound")
 _LEVER = ("lever", "lever_angle", "lever_ratio")
 """Of a cylinder that rubs: whether its lever turns with the joint, 1, or not, 0; in the middle of the
 postures the angle between its crank and where it hangs, and the crank over how far off that is."""
+LEAST = 1e-9
+"""Lever over the crank at least: at dead centre in all postures it has none."""
 _ANGLES = tuple(np.array([-5, -4, -3, -2, 1, 2, 3, 4, 5]) * np.pi / 6)
 """Of the crank in the middle, from which fits set out [rad]."""
 _SPEED = 0.7
@@ -136,7 +138,7 @@ def lever_of(placement: Placement) -> Float[np.ndarray, "*system"]:
     every = [one.q.get(placement.where, 0.0) for one in placement.context.postures]
     angle = middle + np.array(every) - np.mean(every)
     arm = np.sin(angle) / np.sqrt(1 + ratio**2 - 2 * ratio * np.cos(angle))
-    arm = arm / np.sqrt(np.mean(arm**2))
+    arm = arm / max(float(np.sqrt(np.mean(arm**2))), LEAST)
     return np.asarray((1 + part * (arm - 1))[placement.posture])
 
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF
 from flexmodal.diagnosis.lawfree.names import told_by
 from flexmodal.diagnosis.lawfree.result import Findings, Found
+from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.confidence import AGREES, ALONE
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 
@@ -27,11 +28,12 @@ def told_of(one: Findings, several: Callable[[], Findings]) -> Mapping[Key, floa
         several: what is found for several, where one does not explain everything.
     """
     look = one if one.explains else several()
-    places: Sequence[Found] = [one for one in look.found if look.needed and look.explains and one.is_apart]
-    told = [(told_by(one), one) for one in places]
+    told = [
+        (told_by(place), place) for place in look.found if look.needed and look.explains and place.is_apart
+    ]
     return {
-        (name, one.where): 1 / (1 + (AGREES if _is_of_class(name, one) else ALONE))
-        for name, one in told
+        (name, place.where): 1 / (1 + (AGREES if _is_of_class(name, place) else ALONE))
+        for name, place in told
         if name is not None
     }
 
@@ -80,15 +82,17 @@ def fitted_with(
         search: for one effect more.
         far: how far a model is from the measurement.
     """
-    same = [one for one in tried if set(one.hypothesis.keys) == set(keys)]
-    if same:
+    if same := _with(keys, tried):
         return min(same, key=far)
     model = root
     for key in keys:
-        found = [
-            one for one in search(model, key) if set(one.hypothesis.keys) == {*model.hypothesis.keys, key}
-        ]
-        if not found:
+        if not (found := _with((*model.hypothesis.keys, key), search(model, key))):
             return None
         model = min(found, key=far)
     return model
+
+
+def _with(keys: Sequence[Key], models: Sequence[FittedFrfs]) -> list[FittedFrfs]:
+    """Those that have some effects and nothing else, such as a mode with no structure."""
+    plain = [one for one in models if one.key[0] != UNSTRUCTURED]
+    return [one for one in plain if set(one.hypothesis.keys) == set(keys)]

@@ -12,7 +12,7 @@ from flexmodal.diagnosis.lawfree.as_json import look_json
 from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF, PORT_OF
 from flexmodal.diagnosis.lawfree.kinds import KINDS, TORQUE
 from flexmodal.diagnosis.lawfree.port import Port
-from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
+from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, Loss, PlaceTried
 from flexmodal.diagnosis.lawfree.templates import templates_for
 from flexmodal.diagnosis.outcome import Gaps, Remaining, Step
 from flexmodal.diagnosis.report.free_look import look_parts
@@ -197,6 +197,8 @@ def test_json_holds_plain_numbers(look):
     assert one["alike"] == [["link", "link_2"], ["coupling", "q1+q2"]]
     assert one["curve"]["functions"][0]["imaginary"] == [0.0, -1e-8, 0.0]
     assert one["classes"][0]["class"] == "spring"
+    assert one["tells"] is None  # a coupling would do as well
+    assert one["loss"] is None
     assert look_json(replace(look, alone=np.inf))["misfit_alone"] is None
 
 
@@ -286,3 +288,13 @@ def test_without_the_look_behind_it_the_answer_stays_unknown(facts):
     says = verdict(facts)
     assert says.effects == (("unknown", "link_2"),)
     assert says.share is None
+
+
+def test_what_a_function_alone_tells_is_in_the_json(look):
+    alone = replace(BENT, alike=(("link", "link_2"),))
+    rubs = Found("torque", "q2", "a torque", 5.4, (("torque", "q2"),), None, (), Loss(0.5, 0.75))
+    one, other = look_json(replace(look, found=(alone, rubs)))["found"]
+    assert one["tells"] == "link_flexibility"
+    assert other["tells"] == "coulomb_friction"
+    assert other["loss"] == {"share": 0.5, "weaker": 0.75}
+    assert look_json(replace(look, found=(alone,), explains=False))["found"][0]["tells"] is None
