@@ -5,7 +5,8 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.lawfree.result import Findings, Found
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
+from flexmodal.diagnosis.lawfree.result import Curve, Findings, Found
 from flexmodal.diagnosis.selection import confidence
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.confidence import probabilities
@@ -138,17 +139,22 @@ def test_where_nothing_added_is_at_the_noise_too_evidence_decides(monkeypatch):
     np.testing.assert_allclose(sure, [0.0, 1 / (1 + confidence.ALONE)])
 
 
-@pytest.mark.parametrize(("apart", "others"), [(True, 0.0), (False, 0.9)])
-def test_where_one_place_alone_explains_everything_nothing_elsewhere_is_compared(monkeypatch, apart, others):
+@pytest.mark.parametrize(
+    ("key", "alike", "others"),
+    [
+        (("link_flexibility", "link_3"), (), 0.0),
+        (("link_flexibility", "link_3"), (("damping", "joints"),), 0.9),
+        (("base_flexibility", "base"), (), 0.9),  # a machine beside the robot acts there in the same way
+    ],
+)
+def test_where_a_function_alone_tells_what_is_there_nothing_elsewhere_counts(monkeypatch, key, alike, others):
     """A law of many parameters that leaves much, where the re-tuned robot would be more plausible."""
     monkeypatch.setattr(
         confidence, "over_noise", lambda setup, model: 1.6 if model.hypothesis.placed else 2.4
     )
     monkeypatch.setattr(confidence, "left", lambda setup, first, last: 0.3)
-    key = ("link_flexibility", "link_3")
-    link = Found(
-        "link", "link_3", "", 4.6, (("link", "link_3"), *(() if apart else [("base", "base")])), None, ()
-    )
+    port = PORT_OF[key[0]], key[1]
+    link = Found(*port, "", 4.6, (port, *alike), Mock(spec=Curve), ())
     look = Findings(4.6, 0.6, (), (link,), explains=True, needed=True, says="")
     seen = Mock(variance=np.ones((1, 1, 1)), used=np.ones((1, 1, 1), bool))
     data = Mock(
@@ -170,4 +176,4 @@ def test_where_one_place_alone_explains_everything_nothing_elsewhere_is_compared
     compared = Mock(spec=Comparison, models=models, probability=np.array([0.9, 0.1]), order=[0, 1])
     found = confidence.confidences(data, compared, 1)
     assert found[0] == pytest.approx(others, abs=0.1)
-    assert found[1] == pytest.approx(1 / (1 + confidence.AGREES) if apart else 0.04, abs=0.04)
+    assert found[1] == pytest.approx(0.04 if others else 1 / (1 + confidence.AGREES), abs=0.04)

@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.compare import but_for_the_blow
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.errors import SingularResponse
 from flexmodal.identification import Observations, predict, unlimited
 from flexmodal.identification.frf_fit import residual
 
@@ -34,13 +35,16 @@ def of_first_blow(
     """
     owner = but_for_the_blow(observations)
     first = np.unique(owner, return_index=True)[1]
-    value = predict(root, x, observations)
+    try:
+        value = predict(root, x, observations)
+    except SingularResponse:  # which rings up, and says nothing
+        return observations
     change = residual(value, value[first[owner]])
     return replace(observations, value=observations.value * np.exp(-change))
 
 
 def endless(observations: Observations, root: Hypothesis, x: Float[np.ndarray, " parameter"]) -> Observations:
-    """Observations as if their records lasted until all is still.
+    """Observations as if their records lasted until all is still; as they are where the robot rings up.
 
     Args:
         observations: as recorded.
@@ -50,7 +54,10 @@ def endless(observations: Observations, root: Hypothesis, x: Float[np.ndarray, "
     if observations.endless or not any(observations.lengths):
         return observations
     whole = unlimited(observations)
-    cut = residual(predict(root, x, observations), predict(root, x, whole))
+    try:
+        cut = residual(predict(root, x, observations), predict(root, x, whole))
+    except SingularResponse:  # it says nothing of what is cut off
+        return observations
     size = np.minimum(np.abs(cut), 1.0)
     return replace(
         whole,

@@ -39,7 +39,7 @@ def draw_arm(diagnosis: Diagnosis) -> Any:
     _sticks(axes, robot, placed[worst], plane, LINK, 6.0)
     _joints(axes, robot, placed[worst], plane)
     _points(axes, diagnosis, placed[worst], plane)
-    for number, (_, where) in enumerate(diagnosis.verdict.effects):
+    for number, where in enumerate(dict.fromkeys(where for _, where in diagnosis.verdict.effects)):
         _mark(axes, diagnosis, placed[worst], plane, where, number)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.1, 0.2)

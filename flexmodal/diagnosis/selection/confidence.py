@@ -18,8 +18,9 @@ what the named one leaves beyond that counts against it. Where the named one cou
 the look points to the same place so that what is left is due to the law and not to the place, something
 else is no better than what is named, and weighs `ALONE`, or `AGREES` where the curve has its class too.
 Where the re-tuned robot is at the noise already no error of a law can be larger than that, and lines count
-as in the evidence. Where with its function free one place explains everything and no other does, only what
-sits there is compared: how narrow its law is says nothing for what sits elsewhere, or for nothing at all.
+as in the evidence. Where with its function free one place explains everything and no other does, and that
+function tells the effect that is named, only what sits there is compared: how narrow its law is says nothing
+for what sits elsewhere, or for nothing at all.
 
 Both weights, and the pieces, were tuned on campaigns of the virtual rig that judge nothing
 (`benchmarks/calibration.py`).
@@ -35,6 +36,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
+from flexmodal.diagnosis.lawfree.names import told_by
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.comparison import Comparison
@@ -98,9 +100,9 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
 
 
 def _possible(look: Findings, keys: Sequence[tuple[str, str]], chosen: int) -> Bool[np.ndarray, " model"]:
-    """Which models are not ruled out by the only place that explains everything without a law."""
+    """Which models are not ruled out by the only place that explains everything and tells what is there."""
     lone = look.lone
-    if lone is None or not lone.has(*keys[chosen]):
+    if lone is None or (told_by(lone), lone.where) != keys[chosen]:
         return np.full(len(keys), True)
     return np.array([lone.has(*key) for key in keys])
 

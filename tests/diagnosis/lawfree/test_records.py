@@ -12,13 +12,14 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.kinds import SENSOR, TORQUE
 from flexmodal.diagnosis.lawfree.look import Field
-from flexmodal.diagnosis.lawfree.records import of_first_blow
+from flexmodal.diagnosis.lawfree.records import endless, of_first_blow
 from flexmodal.diagnosis.lawfree.screening import TORQUES
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel
 from flexmodal.diagnosis.time_domain.straightened import straightened
+from flexmodal.errors import SingularResponse
 from flexmodal.identification import predict
 from flexmodal.structure import robot_space
 
@@ -62,6 +63,19 @@ def test_blows_of_other_force_become_those_of_the_first(struck):
     found = of_first_blow(linear, bent, x)
     np.testing.assert_allclose(found.value[seen.level == 1], found.value[seen.level == 0], rtol=1e-9)
     np.testing.assert_allclose(found.value[seen.level == 0], linear.value[seen.level == 0], rtol=1e-12)
+
+
+def test_what_rings_up_says_nothing_of_a_measurement(monkeypatch, struck):
+    """Neither of what a record cuts off nor of other blows: the measurement stays as it is."""
+    bent, x, seen = struck
+
+    def rings_up(model, x, observations):
+        raise SingularResponse("it rings up")
+
+    monkeypatch.setattr("flexmodal.diagnosis.lawfree.records.predict", rings_up)
+    cut_off = replace(seen, lengths=(2.0,) * len(seen.lengths), endless=False)
+    assert endless(cut_off, bent, x) is cut_off
+    assert of_first_blow(seen, bent, x) is seen
 
 
 @pytest.mark.slow
