@@ -1,6 +1,6 @@
 """What free functions alone say is missing: right, wrong or nothing, before any law is tried.
 
-    python benchmarks/function_names.py [FORMS:SEED …] [--most N] [--workers N]
+    python benchmarks/function_names.py [FORMS:SEED[:MOST] …] [--workers N]
 
 Poses the exam's campaigns with one effect, with one outside the catalogue and with nothing, takes the
 law-free look for one place at each, and asks what the function of the only place that explains everything
@@ -30,8 +30,8 @@ from flexmodal.diagnosis.lawfree.names import told_by
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.setup import prepare
 
-PUBLISHED = ("blind:20270404", "third:20270602")
-"""Forms and seeds of the table; the rules were found on others."""
+PUBLISHED = ("blind:20270404", "third:20270602:34")
+"""Forms and seeds of the table, and how many of the campaigns if not all; the rules were found on others."""
 KINDS = ("single", "outside", "nothing")
 
 
@@ -87,8 +87,7 @@ def report(rows: Sequence[dict[str, Any]], seeds: Sequence[str]) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("seeds", nargs="*", default=PUBLISHED, metavar="FORMS:SEED")
-    parser.add_argument("--most", type=int, default=None, help="only so many campaigns of each")
+    parser.add_argument("seeds", nargs="*", default=PUBLISHED, metavar="FORMS:SEED[:MOST]")
     add_options(parser)
     given = parser.parse_args()
     if given.one:
@@ -97,9 +96,9 @@ def main() -> None:
         return
     names = []
     for each in given.seeds:
-        forms, seed = each.split(":")
+        forms, seed, *most = each.split(":")
         every = [one.name for one in plan(int(seed), "rig", forms) if one.kind in KINDS]
-        names += [f"{each}:{name}" for name in every[: given.most]]
+        names += [f"{forms}:{seed}:{name}" for name in every[: int(most[0]) if most else None]]
     cache, rows = kept("function_names")
     done = {row["piece"]: row for row in rows}
     asked = [name for name in names if name not in done]
