@@ -90,7 +90,7 @@ def _is_attached(curve: Curve) -> bool:
             continue
         mass, weight = -value.real / square, (square / np.maximum(deviation, 1e-300)) ** 2
         parts = np.array_split(np.arange(len(mass)), min(PARTS, len(mass)))
-        total = np.array([weight[part].sum() for part in parts])
+        total = np.array([max(float(weight[part].sum()), 1e-300) for part in parts])
         means = np.array([weight[part] @ mass[part] for part in parts]) / total
         signs = np.sign(means)[np.abs(means) * np.sqrt(total) > CLEARLY]
         if len(signs) and signs[0] > 0 and signs.min() < 0:

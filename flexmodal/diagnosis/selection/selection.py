@@ -75,7 +75,7 @@ class ForwardSelection(Generic[M]):
         if not (self.limit.was_hit and self.data.standing(self.current)[1]):  # who is unsure has no name
             self.drop_needless()
             self.drop_hardly_possible()
-        tried = [one for told in self.rounds for one in told.comparison.models]
+        tried = [one for each in self.rounds for one in each.comparison.models]
         with suppress(OutOfTime), self.limit.counting(at_least=1 - FOR_EFFECTS):
             if (told := self.data.by_function(self.current, tried)) is not None:
                 self.furthest = self.current if self.steps else self.furthest
