@@ -26,7 +26,7 @@ from tables import kept, write
 
 import flexmodal
 from flexmodal.campaign import read_campaign
-from flexmodal.diagnosis.lawfree.names import told_by
+from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.setup import prepare
 

@@ -51,12 +51,12 @@ STEPS = (0.7, 1.4)
 """From which fits start, at some frequencies in the band."""
 NOTCH = ("notch_depth", "notch_frequency", "notch_width")
 """Of a notch: the part it takes away in its middle, or adds if that is below 0, where that is, and its ζ."""
+DEEP = (0.5, -0.5)
+"""Its depths from which fits start, at some frequencies in the band."""
 ORDER = "mount_order"
 """Of the mount's resonance: 1, or -1 where one was taken out of what is read that is not there."""
 TAKEN_OUT = (1.1, 2.0, 4.0)
 """Frequencies of such a one from which fits start, over the end of the band."""
-DEEP = (0.5, -0.5)
-"""Its depths from which fits start, at some frequencies in the band."""
 
 
 def _gain(placement: Placement, axis: Axis) -> np.ndarray:

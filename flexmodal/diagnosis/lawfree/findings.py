@@ -8,10 +8,10 @@ from jaxtyping import Complex, Float
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of, undecided
 from flexmodal.diagnosis.lawfree.losses import loss_of
-from flexmodal.diagnosis.lawfree.names import told_by
 from flexmodal.diagnosis.lawfree.pursuit import LawFree
 from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
 from flexmodal.diagnosis.lawfree.sighting import Sighting
+from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.report.words import percent
 from flexmodal.text.words import enumeration
 
@@ -104,7 +104,7 @@ def _words(look: LawFree, found: tuple[Found, ...]) -> str:
             says.append(f"{subject} is of this class: {one.classes[0].name}.")
         elif one.curve is not None:
             says.append(f"{subject} is of no class that is known here.")
-        name = told_by(one) if look.explains and one.is_apart else None
+        name = told_by(one) if look.explains else None
         if name is not None:
             says.append(f"{subject} alone says: {name.replace('_', ' ')}.")
     return " ".join(says)

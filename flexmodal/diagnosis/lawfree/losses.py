@@ -8,7 +8,6 @@ none that goes with the force (Gelb and Vander Velde, Multiple-Input Describing 
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Float
 
 from flexmodal.diagnosis.lawfree.result import Loss
 from flexmodal.diagnosis.lawfree.sighting import Sighting
@@ -32,13 +31,8 @@ def loss_of(sighting: Sighting, number: int) -> Loss | None:
         both = 1 / (1 / np.maximum(known[weak], 1e-300) + 1 / np.maximum(known[hard], 1e-300))
         taken += float(both @ (z[weak] - z[hard]).imag)
         of += float(both @ np.abs(z[weak] - z[hard]))
-    if of <= 0 or not _sum(known, np.abs(z)):
-        return None
-    return Loss(_sum(known, z.imag) / _sum(known, np.abs(z)), taken / of)
-
-
-def _sum(known: Float[np.ndarray, "cell line"], value: Float[np.ndarray, "cell line"]) -> float:
-    return float(np.sum(known * value))
+    total = float(np.sum(known * np.abs(z)))
+    return None if of <= 0 or total <= 0 else Loss(float(np.sum(known * z.imag)) / total, taken / of)
 
 
 def _pairs(sighting: Sighting) -> list[tuple[int, int]]:

@@ -183,7 +183,7 @@ class Findings:
     @property
     def lone(self) -> Found | None:
         """The only place that explains everything, which others can be told from; None if there is none."""
-        alone = self.needed and self.explains and len(self.found) == 1 and self.found[0].is_apart
+        alone = self.explains and len(self.found) == 1 and self.found[0].is_apart
         return self.found[0] if alone else None
 
     def worth_trying(self, effect: str, where: str) -> bool:

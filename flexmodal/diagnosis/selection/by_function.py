@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF
-from flexmodal.diagnosis.lawfree.names import told_by
 from flexmodal.diagnosis.lawfree.result import Findings, Found
+from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.confidence import AGREES, ALONE
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -20,17 +20,13 @@ Search = Callable[[FittedFrfs, Key], Sequence[FittedFrfs]]
 """Models with an effect more than one has, at a place."""
 
 
-def told_of(one: Findings, several: Callable[[], Findings]) -> Mapping[Key, float]:
-    """Names and places of the effects that are told, and how sure each is.
+def told_of(look: Findings) -> Mapping[Key, float]:
+    """Names and places of the effects that the functions of a look tell, and how sure each is.
 
     Args:
-        one: what was found for one place.
-        several: what is found for several, where one does not explain everything.
+        look: nothing is told where its places do not explain everything.
     """
-    look = one if one.explains else several()
-    told = [
-        (told_by(place), place) for place in look.found if look.needed and look.explains and place.is_apart
-    ]
+    told = [(told_by(place), place) for place in look.found if look.explains]
     return {
         (name, place.where): 1 / (1 + (AGREES if _is_of_class(name, place) else ALONE))
         for name, place in told

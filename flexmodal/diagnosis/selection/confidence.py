@@ -36,8 +36,8 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
-from flexmodal.diagnosis.lawfree.names import told_by
 from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.decision import Answer
@@ -90,7 +90,8 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
     if needs_nothing(data, models[0]):
         return np.asarray(comparison.probability / (1 + odds))
     possible = _possible(look, [one.key for one in models], chosen)
-    found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds, possible)
+    costs = np.where(possible, costs, np.inf)
+    found = probabilities(costs, sizes, priors, chosen, PIECES * len(models[0].costs), noise, odds)
     first = int(comparison.order[0])
     told = plausible(data, comparison)
     if chosen in told and first in told and chosen != first:
@@ -159,22 +160,19 @@ def probabilities(
     pieces: float,
     noise: float,
     odds: float,
-    possible: Bool[np.ndarray, " model"] | None = None,
 ) -> Float[np.ndarray, " model"]:
     """Of the formula above.
 
     Args:
-        costs: C, sums of squares.
+        costs: C, sums of squares; infinite of what is ruled out.
         sizes: n, numbers of parameters.
         priors: xᵀPx / t.
         chosen: number of the model that is named.
         pieces: ν.
         noise: sum of squares that something else would leave; what the chosen one leaves, if that is less.
         odds: of something else against the chosen one, were both equally good.
-        possible: which models are not ruled out, the chosen one among them; all by default.
     """
     score = _ln(costs, sizes, priors, pieces)
-    score = score if possible is None else np.where(possible, score, -np.inf)
     ideal = _ln(min(float(costs[chosen]), noise), sizes[chosen], priors[chosen], pieces)
     total = np.logaddexp.reduce(np.append(score, ideal + np.log(odds)))
     return np.asarray(np.exp(score - total))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -53,18 +53,27 @@ def step_of(data: Data[M], root: M, comparison: Comparison[M], chosen: int) -> S
     )
 
 
-def told(data: Data[M], root: M, model: M, sure: Mapping[tuple[str, str], float]) -> list[Step]:
-    """Effects of which some are told by free functions, whatever their laws gain.
+def anew(data: Data[M], root: M, model: M, describe: Callable[[Comparison[M], int], Step]) -> list[Step]:
+    """The steps to a model, its effects one after the other in the order in which it has them.
 
     Args:
         data: that models were fitted to.
         root: the robot re-tuned.
-        model: with the effects.
-        sure: confidence of those that are.
+        model: with effects.
+        describe: what a step added, of a comparison and the number of what was added.
     """
-    pairs = [list(pair) for pair in pairwise(built_up(data, root, model))]
-    steps = [step_of(data, root, data.compare(pair), 1) for pair in pairs]
-    return [untied(one, sure.get((one.effect, one.where), one.confidence)) for one in steps]
+    return [describe(data.compare(list(pair)), 1) for pair in pairwise(built_up(data, root, model))]
+
+
+def as_sure(steps: Sequence[Step], sure: Mapping[tuple[str, str], float]) -> list[Step]:
+    """Steps of which some are as sure as was asked apart, whatever they were tied with.
+
+    Args:
+        steps: as they were added.
+        sure: confidence of some, by name and place.
+    """
+    told = [(one, sure.get((one.effect, one.where))) for one in steps]
+    return [one if how is None else untied(one, how) for one, how in told]
 
 
 def built_up(data: Data[M], root: M, model: M) -> list[M]:

@@ -224,7 +224,8 @@ class FrfsByLook(Data[FittedFrfs]):
         done = explains(self, model) and not self.is_contradicted(model)
         if done and looks.one.lone is None:
             return None
-        told = told_of(looks.one, lambda: looks.several)
+        look = looks.one if looks.one.explains else looks.several
+        told = told_of(look)
         named = model.hypothesis.keys if done else self.standing(model)[0]
         keys = wanted(told, named, lone=looks.one.lone is not None, explained=done) if told else ()
         if not keys:
@@ -240,9 +241,9 @@ class FrfsByLook(Data[FittedFrfs]):
         found = fitted_with(keys, self.root, tried, searched, far)
         if found is None:
             return None
-        look = looks.one if looks.one.explains else looks.several
-        open_ = [one.where for one in look.found if one.where not in {where for _, where in keys}]
-        self._told = keys, tuple(dict.fromkeys(open_)) or tuple(dict.fromkeys(where for _, where in told))
+        places = {where for _, where in keys}
+        left = [one.where for one in look.found if one.where not in places] or [where for _, where in told]
+        self._told = keys, tuple(dict.fromkeys(left))
         return found, told
 
     @property

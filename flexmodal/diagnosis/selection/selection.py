@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any, Generic
 
 from flexmodal.diagnosis.outcome import Compared, Step
@@ -70,7 +69,7 @@ class ForwardSelection(Generic[M]):
         if not self.follow():
             with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
                 self.search()
-        if not self.rounds:  # there was no time
+        if not self.rounds:  # there was no time for any
             self._taken([self.root], 0)
         if not (self.limit.was_hit and self.data.standing(self.current)[1]):  # who is unsure has no name
             self.drop_needless()
@@ -78,8 +77,9 @@ class ForwardSelection(Generic[M]):
         tried = [one for each in self.rounds for one in each.comparison.models]
         with suppress(OutOfTime), self.limit.counting(at_least=1 - FOR_EFFECTS):
             if (told := self.data.by_function(self.current, tried)) is not None:
+                steps = described.anew(self.data, self.root, told[0], self.describe)
                 self.furthest = self.current if self.steps else self.furthest
-                self.current, self.steps[:] = told[0], described.told(self.data, self.root, *told)
+                self.current, self.steps[:] = told[0], described.as_sure(steps, told[1])
 
     def follow(self) -> bool:
         """Add effects where a look without a law points, each time beside those that are there.
@@ -178,6 +178,7 @@ class ForwardSelection(Generic[M]):
         return True
 
     def _widened(self, keys: Collection[tuple[str, str]]) -> bool:
+        """A wider law for one of some effects, if that does better."""
         return self._bettered(widened(self.data, self.current, keys))
 
     def _bettered(self, other: M) -> bool:
@@ -188,10 +189,8 @@ class ForwardSelection(Generic[M]):
     def _describe_anew(self) -> None:
         """The steps to a model whose effects were not added one after the other; how sure they are."""
         if {(step.effect, step.where) for step in self.steps} != set(self.current.hypothesis.keys):
-            pairs = pairwise(described.built_up(self.data, self.root, self.current))
-            self.steps[:] = [self.describe(self.data.compare(list(pair)), 1) for pair in pairs]
-        told = [(one, self.sure.get((one.effect, one.where))) for one in self.steps]
-        self.steps[:] = [one if sure is None else described.untied(one, sure) for one, sure in told]
+            self.steps[:] = described.anew(self.data, self.root, self.current, self.describe)
+        self.steps[:] = described.as_sure(self.steps, self.sure)
 
     @property
     def _state(self) -> tuple[Any, ...]:

@@ -7,7 +7,7 @@ import numpy as np
 from flexmodal.rig.effects.added_mass import arm_mass, on_link
 from flexmodal.rig.effects.effect import Effect, Site, Stand, directed, each, multiplied, positive, within
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.chain import heading
 from flexmodal.rig.plant.geometry import across
 from flexmodal.structure.arm import moved_bodies
 
@@ -16,9 +16,7 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     """Tuned between a tenth and half of the band, across the link."""
     place = on_link(stand, where, random.uniform(0.3, 1.0), random.uniform(-0.06, 0.06))
     low, high = stand.plan.band
-    end = reach(stand.robot, where)
-    axis = end / np.linalg.norm(end) if np.linalg.norm(end) > 1e-6 else np.array([1.0, 0.0, 0.0])
-    sides = across(axis, stand.normal_in(where))
+    sides = across(heading(stand.robot, where), stand.normal_in(where))
     angle = random.uniform(0, 2 * np.pi)
     way = sides[0] if len(sides) == 1 else np.cos(angle) * sides[0] + np.sin(angle) * sides[1]
     frequency = np.exp(random.uniform(np.log(max(3 * low, 0.05 * high)), np.log(0.5 * high)))

@@ -11,7 +11,7 @@ from flexmodal.campaign import CampaignPoint
 from flexmodal.rig.effects.effect import Effect, Site, Stand, drawing, multiplied, positive
 from flexmodal.rig.effects.sensors import SENSOR_MASS as OWN
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.chain import heading
 from flexmodal.rig.plant.geometry import across
 from flexmodal.rig.plant.plant import Branch
 from flexmodal.rig.sensing import Sensor
@@ -31,9 +31,7 @@ def everywhere(
 
 def _outward(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> np.ndarray:
     """Away from the axis of the link, in the plane of a planar chain; in the frame of the link."""
-    end = reach(site.stand.robot, point.link)
-    length = float(np.linalg.norm(end))
-    axis = end / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
+    axis = heading(site.stand.robot, point.link)
     axes = assembly.orientation(point.link)
     sides = across(axis, None if assembly.normal is None else axes.T @ assembly.normal)
     return sides[0] if sides else across(axis, None)[0]

@@ -24,23 +24,11 @@ from flexmodal.rig.forms.local_absorber import WHIP
 from flexmodal.rig.forms.sensor_mass import everywhere
 from flexmodal.rig.forms.sensors import LOW_PASS, filtering
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.chain import reach
+from flexmodal.rig.plant.chain import heading
 from flexmodal.rig.plant.geometry import across
 from flexmodal.rig.sensing import Filter, Sensor
 
 _NORMAL = ("nx", "ny", "nz")
-
-
-def along(stand: Stand, link: str) -> np.ndarray:
-    """Unit vector towards the far end of a link, in its frame.
-
-    Args:
-        stand: the true robot and its plan.
-        link: which.
-    """
-    end = reach(stand.robot, link)
-    length = float(np.linalg.norm(end))
-    return end / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
 
 
 def _draw_whipping(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -56,7 +44,7 @@ def _draw_whipping(stand: Stand, where: str, random: np.random.Generator) -> dic
 def _whipping(assembly: PlantAssembly, point: CampaignPoint, site: Site) -> None:
     """The sensor, and a thin beam that stands out of it along the link: two modes across, the rest stiff."""
     link, place, mass = point.link, np.array(point.xyz), site["cable_mass"]
-    axes, axis = assembly.orientation(link), along(site.stand, point.link)
+    axes, axis = assembly.orientation(link), heading(site.stand.robot, point.link)
     normal = None if assembly.normal is None else axes.T @ assembly.normal
     assembly.add_body(link, place, site["mass"])
     left = 1 - sum(part for _, part, _ in WHIP)
@@ -92,7 +80,7 @@ def _interpolated(site: Site) -> Filter:
 def _draw_sagging(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """A sensor that stands out of its link sideways; in the plane of a planar chain."""
     link = stand.link_of(where)
-    axis = along(stand, link)
+    axis = heading(stand.robot, link)
     sides, angle = across(axis, stand.normal_in(link)), float(random.uniform(0.0, 2 * np.pi))
     if len(sides) == 2:
         out = np.cos(angle) * sides[0] + np.sin(angle) * sides[1]

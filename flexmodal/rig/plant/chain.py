@@ -61,6 +61,18 @@ def reach(robot: Robot, link: str) -> Float[np.ndarray, "3"]:
     return max(ends, key=lambda end: float(np.linalg.norm(end)))
 
 
+def heading(robot: Robot, link: str) -> Float[np.ndarray, "3"]:
+    """Unit vector from the origin of a link to its far end, in its frame; x where they are one.
+
+    Args:
+        robot: which.
+        link: which of its links.
+    """
+    end = reach(robot, link)
+    length = float(np.linalg.norm(end))
+    return end / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
+
+
 def slender_links(robot: Robot) -> tuple[str, ...]:
     """Links long enough to bend that carry something beyond themselves or have mass along them."""
     return tuple(

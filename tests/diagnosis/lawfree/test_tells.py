@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from flexmodal.diagnosis.lawfree.losses import loss_of
-from flexmodal.diagnosis.lawfree.names import told_by
 from flexmodal.diagnosis.lawfree.result import Class, Curve, Found, Loss
 from flexmodal.diagnosis.lawfree.sighting import Sighting
+from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.identification import Observations
 
 FREQUENCY = np.linspace(2.0, 200.0, 397)

@@ -44,8 +44,10 @@ def told_by(found: Found) -> str | None:
     """Name of the effect; None where the function does not tell a single one.
 
     Args:
-        found: a place whose function explains everything.
+        found: a place whose function explains everything; one that is not apart from others tells nothing.
     """
+    if not found.is_apart:
+        return None
     if found.loss is not None:
         return "coulomb_friction" if _rubs(found.loss) else None
     if found.curve is None:
