@@ -109,7 +109,7 @@ def test_is_found_again_in_functions_with_lines_gone_astray(seen, values):
     assert min(relative(effective_mass(omega, *coordinates(known, one)), mass) for one in told) < 0.02
 
 
-@pytest.mark.parametrize("roll", [0.5 * np.pi, 0.25 * np.pi])
+@pytest.mark.parametrize("roll", [0.5 * np.pi, pytest.param(0.25 * np.pi, marks=pytest.mark.slow)])
 def test_another_mass_is_found_that_swings_across_the_first(seen, roll):
     """In space neither has to have a part along the link: nothing tells then to which side to roll."""
     context, _ = seen

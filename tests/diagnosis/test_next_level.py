@@ -477,6 +477,7 @@ def test_where_nothing_explains_what_is_missing_wider_laws_are_tried_beside_the_
     assert asked == ([narrow.key] if tried else [])
 
 
+@pytest.mark.slow
 def test_a_law_that_gains_nothing_soon_is_not_followed_where_it_is_unsure(fits):
     """Where one place explains everything it is, to its end."""
     setup, zero, narrow = fits

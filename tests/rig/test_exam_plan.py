@@ -151,6 +151,7 @@ def test_effects_are_counted_by_what_re_tuning_leaves_of_them():
     assert exam_forms.by_height([{**row, "retuned": []} for row in rows]) == []
 
 
+@pytest.mark.slow
 def test_the_truth_of_other_forms_tells_how_high_an_effect_stands_re_tuned(tmp_path):
     question = next(q for q in exam_plan.plan(8, forms="looked") if q.kind == "single")
     exam_question.pose(question, tmp_path / "campaign", tmp_path / "truth.toml")

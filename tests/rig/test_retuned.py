@@ -10,6 +10,7 @@ import flexmodal
 from flexmodal.rig import Hide, ParameterError, Truth, simulate
 from flexmodal.rig.believed import known_robot
 from flexmodal.rig.hammer_test import Conduct
+from flexmodal.rig.hidden import retuned
 from flexmodal.rig.hidden.retuned import retuned_height, retuned_heights
 from flexmodal.rig.hidden.severity import height, noise_floor, predicted, usable_lines
 
@@ -80,3 +81,22 @@ def test_the_truth_tells_it_where_it_was_asked_for(robot, tmp_path):
     assert told.table()["effect"][0]["times_noise_floor_retuned"] == heights[0]
     assert Truth.of_table(told.table()) == told
     assert retuned_heights(made.stand, made.hidden, Conduct(noise=0.0, scatter=0.0), OFF) == ()
+
+
+def test_no_number_is_re_tuned_more_than_tenfold(robot, monkeypatch):
+    """Far from where they are, what is hidden may have no model: an order of a relaxation becomes infinite."""
+    made, floor = hidden(robot, ("added_mass", "link_2"))
+    factors = []
+
+    def steps(slopes, left, change, deviation, noise):
+        return np.full(len(change), 1e3)
+
+    def known(robot, given):
+        factors.extend(given.values())
+        return known_robot(robot, given)
+
+    monkeypatch.setattr(retuned, "_step", steps)
+    monkeypatch.setattr(retuned, "known_robot", known)
+    start = dict(made.stand.true.factors)
+    assert np.isfinite(retuned_height(made.stand, made.hidden, 0, floor, OFF))
+    assert max(factors) < 10.001 * max(start.values())

@@ -15,6 +15,7 @@ one step: what re-tuning takes of it is told as too little.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -37,6 +38,8 @@ from flexmodal.rig.plant.build import Hidden
 
 STEPS, PARTS = 5, (1.0, 0.5, 0.2)
 """Of Gauss and Newton, and parts of a step that are tried where a longer one leads up."""
+FAR = math.log(10.0)
+"""How far a number is re-tuned at most, as a logarithm: beyond it there may be no model any more."""
 SMALL = 1e-4
 """Relative change of a parameter that derivatives are taken by."""
 FREE = 1.0
@@ -145,7 +148,7 @@ def _iterated(tuned: _Tuned, target: np.ndarray, usable: np.ndarray, floor: Floo
     usable[usable] = able
     for _ in range(STEPS):
         step = _step(tuned.slopes(change, floor)[:, usable], left, change, tuned.deviation, floor.height)
-        tried = ((one, off(one)) for one in (change + part * step for part in PARTS))
+        tried = ((one, off(one)) for one in (np.clip(change + part * step, -FAR, FAR) for part in PARTS))
         found = next(((one, rest) for one, rest in tried if size(rest) < size(left)), None)
         if found is None:
             break
