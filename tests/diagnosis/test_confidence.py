@@ -1,5 +1,6 @@
 """How sure an explanation is: by hand where the formula is simple, and what has to lower it."""
 
+from dataclasses import replace
 from unittest.mock import Mock
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Curve, Findings, Found
+from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.diagnosis.selection import confidence
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.confidence import probabilities
@@ -155,6 +157,7 @@ def test_where_a_function_alone_tells_what_is_there_nothing_elsewhere_counts(mon
     monkeypatch.setattr(confidence, "left", lambda setup, first, last: 0.3)
     port = PORT_OF[key[0]], key[1]
     link = Found(*port, "", 4.6, (port, *alike), Mock(spec=Curve), ())
+    link = replace(link, tells=told_by(link))
     look = Findings(4.6, 0.6, (), (link,), explains=True, needed=True, says="")
     seen = Mock(variance=np.ones((1, 1, 1)), used=np.ones((1, 1, 1), bool))
     data = Mock(

@@ -15,6 +15,7 @@ from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
 from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import Curve, Findings, Found, Loss, PlaceTried
+from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.outcome import Compared, Gaps, Step
 from flexmodal.diagnosis.selection import (
@@ -1495,6 +1496,7 @@ class ByFunction(FrfData):
 
     def __init__(self, *found, stands=(), explained=(), alike=()):
         found = tuple(replace(one, alike=(*one.alike, *alike)) for one in found)
+        found = tuple(replace(one, tells=told_by(one)) for one in found)
         look = Findings(8.0, 0.7, (), found, explains=True, needed=True, says="")
         one = look if len(found) == 1 else replace(look, found=found[:1], explains=False)
         self._root, self.stands, self.done = fitted(), stands, explained

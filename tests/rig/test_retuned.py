@@ -84,7 +84,7 @@ def test_the_truth_tells_it_where_it_was_asked_for(robot, tmp_path):
 
 
 def test_no_number_is_re_tuned_more_than_tenfold(robot, monkeypatch):
-    """Far from where they are, what is hidden may have no model: an order of a relaxation becomes infinite."""
+    """Far from where it is, what is hidden may have no model: a relaxation of infinite order."""
     made, floor = hidden(robot, ("added_mass", "link_2"))
     factors = []
 

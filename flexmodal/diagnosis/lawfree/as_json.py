@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
-from flexmodal.diagnosis.lawfree.tells import told_by
 
 
 def look_json(look: Findings) -> dict[str, Any]:
@@ -35,7 +34,7 @@ def _found(one: Found, look: Findings) -> dict[str, Any]:
         "loss": None
         if one.loss is None
         else {"share": _finite(one.loss.share), "weaker": _finite(one.loss.weaker)},
-        "tells": told_by(one) if look.explains else None,
+        "tells": one.tells if look.explains else None,
     }
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Complex, Float
 
@@ -48,20 +50,25 @@ def _found(look: LawFree, number: int) -> Found:
     alike = tuple(one.key for one in member.alike)
     rubs = look.needed and port.kind.by_blow and port.kind.reads is None
     loss = loss_of(look.whole, number) if rubs else None
-    return Found(port.kind.name, port.where, port.kind.says, member.without, alike, curve, classes, loss)
+    free = _free(look.whole, number)
+    found = Found(
+        port.kind.name, port.where, port.kind.says, member.without, alike, curve, classes, loss, free
+    )
+    return replace(found, tells=told_by(found))
 
 
 def _place(one: Sighting) -> PlaceTried:
     kind = one.port.kind
-    return PlaceTried(kind.name, one.port.where, kind.says, one.misfit, one.apart, one.unknowns, _free(one))
+    free = _free(one, len(one.ports) - 1)
+    return PlaceTried(kind.name, one.port.where, kind.says, one.misfit, one.apart, one.unknowns, free)
 
 
-def _free(one: Sighting) -> FreeFunction | None:
-    """Of the last port."""
-    model, x = one.profile.model, one.state.x
-    if model.cells != 1 or one.port.kind.drops:
+def _free(one: Sighting, number: int) -> FreeFunction | None:
+    """Of one of the ports."""
+    model, x, kind = one.profile.model, one.state.x, one.ports[number].kind
+    if model.cells != 1 or kind.drops:
         return None
-    own, placed = model.spans[-1], model.hypothesis.placed[-1]
+    own, placed = model.spans[number], model.hypothesis.placed[number - len(one.ports)]
     values = model.hypothesis.values_of(placed, model.space.values(x))
     known = len(model.root.space)
     names = [one.name.removeprefix(f"{placed.label}.") for one in model.space.parameters[known:]]
@@ -70,16 +77,15 @@ def _free(one: Sighting) -> FreeFunction | None:
         one.state.z[0, own] * model.size[own],
         {name: values[name] for name in names if name in values},
         x[:known],
-        _information(one, model.size[own]) if one.port.kind.informs else None,
-        one.port.kind.turns,
+        _information(one, own, model.size[own]) if kind.informs else None,
+        kind.turns,
     )
 
 
 def _information(
-    one: Sighting, size: Float[np.ndarray, "function line"]
+    one: Sighting, own: slice, size: Float[np.ndarray, "function line"]
 ) -> Complex[np.ndarray, "line function function"]:
-    """Of the last port's functions in their unit, all others as they are."""
-    own = one.profile.model.spans[-1]
+    """Of one port's functions in their unit, all others as they are."""
     zz = one.profile.equations(one.state, held=True).zz[0][:, own, own]
     return np.asarray(zz / size.T[:, :, None] / size.T[:, None, :])
 
@@ -104,7 +110,6 @@ def _words(look: LawFree, found: tuple[Found, ...]) -> str:
             says.append(f"{subject} is of this class: {one.classes[0].name}.")
         elif one.curve is not None:
             says.append(f"{subject} is of no class that is known here.")
-        name = told_by(one) if look.explains else None
-        if name is not None:
-            says.append(f"{subject} alone says: {name.replace('_', ' ')}.")
+        if look.explains and one.tells is not None:
+            says.append(f"{subject} alone says: {one.tells.replace('_', ' ')}.")
     return " ".join(says)

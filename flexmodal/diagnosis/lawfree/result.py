@@ -106,6 +106,10 @@ class Found:
     """Those that its curve may be of, the likeliest first; empty where it is of none."""
     loss: Loss | None = None
     """Of a torque with a function of its own for every blow."""
+    free: FreeFunction | None = None
+    """What was found; None where it differs by posture."""
+    tells: str | None = None
+    """Name of the effect that its function alone tells, if all places together explain everything."""
 
     def has(self, effect: str, where: str) -> bool:
         """Whether it can do what an effect of the catalogue does, at its place.
@@ -127,7 +131,7 @@ class Found:
         return self.port == "torque" and PORT_OF.get(effect) == "joint" and self.where == where
 
     def could_be(self, effect: str, where: str) -> bool:
-        """Whether the place and the class allow for an effect of the catalogue.
+        """Whether the place and the class allow for an effect of the catalogue, or its function tells it.
 
         A curve of no class that is known here speaks for nothing, and against nothing: templates are narrower
         than the effects.
@@ -136,6 +140,8 @@ class Found:
             effect: its name.
             where: its place.
         """
+        if (effect, where) == (self.tells, self.where):
+            return True
         here = self.has(effect, where)
         if not here or self.curve is None or effect not in CLASSES_OF or self.where != where:
             return here  # a function of its own in each posture and blow has no curve

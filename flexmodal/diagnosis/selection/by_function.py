@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 
 from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF
 from flexmodal.diagnosis.lawfree.result import Findings, Found
-from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.confidence import AGREES, ALONE
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -26,7 +25,7 @@ def told_of(look: Findings) -> Mapping[Key, float]:
     Args:
         look: nothing is told where its places do not explain everything.
     """
-    told = [(told_by(place), place) for place in look.found if look.explains]
+    told = [(place.tells, place) for place in look.found if look.explains]
     return {
         (name, place.where): 1 / (1 + (AGREES if _is_of_class(name, place) else ALONE))
         for name, place in told

@@ -37,7 +37,6 @@ from jaxtyping import Bool, Float
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.result import Findings
-from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.decision import Answer
@@ -103,7 +102,7 @@ def confidences(data: Looked, comparison: Comparison[FittedFrfs], chosen: int) -
 def _possible(look: Findings, keys: Sequence[tuple[str, str]], chosen: int) -> Bool[np.ndarray, " model"]:
     """Which models are not ruled out by the only place that explains everything and tells what is there."""
     lone = look.lone
-    if lone is None or (told_by(lone), lone.where) != keys[chosen]:
+    if lone is None or (lone.tells, lone.where) != keys[chosen]:
         return np.full(len(keys), True)
     return np.array([lone.has(*key) for key in keys])
 

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, Generic
+from typing import Any
 
-from flexmodal.diagnosis.outcome import Compared, Step
+from flexmodal.diagnosis.outcome import Step
 from flexmodal.diagnosis.selection import described
 from flexmodal.diagnosis.selection.comparison import Comparison, M
-from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import (
     Answer,
-    Choice,
-    Round,
-    among_vouched,
-    any_gains,
-    choice,
     hardly_possible,
     is_idle,
-    rivals,
 )
 from flexmodal.diagnosis.selection.exchange import (
     exchanged,
@@ -31,7 +24,8 @@ from flexmodal.diagnosis.selection.exchange import (
     widened,
     without,
 )
-from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit
+from flexmodal.diagnosis.selection.steps import Steps
+from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime
 
 MOST = 5
 """Effects at once."""
@@ -39,30 +33,8 @@ MUCH = 0.33
 """Part of what is left above the noise that one effect more has to take, or an exchange is tried first."""
 
 
-class ForwardSelection(Generic[M]):
+class ForwardSelection(Steps[M]):
     """One run; keeps what it has found so far. The data, of whatever kind, fit and compare."""
-
-    def __init__(self, data: Data[M], limit: TimeLimit | None = None) -> None:
-        """Begin with the robot re-tuned, nothing added.
-
-        Args:
-            data: that fit and compare.
-            limit: of the time that effects are looked for; by default there is none.
-        """
-        self.data, self.limit = data, limit or TimeLimit()
-        self.root = self.current = data.root
-        self.rounds: list[Round[M]] = []
-        self.steps: list[Step] = []
-        self.refused: list[Compared] = []
-        """What was compared last and not added."""
-        self.rivals: tuple[M, M] | None = None
-        """What was added last, or is best, and what it is tied with."""
-        self.furthest: M | None = None
-        """What was come to by following the data, where none of it is sure enough to be named."""
-        self.sure: Mapping[tuple[str, str], float] = {}
-        """Effects that are sure beside the others whatever else is missing, and how sure."""
-        self.pair: M | None = None
-        """The best pair of effects, added or not."""
 
     def run(self) -> None:
         """Add effects until nothing is left; those that nobody misses go, and what a function tells comes."""
@@ -186,36 +158,6 @@ class ForwardSelection(Generic[M]):
         before, self.current = self.current, other
         return other is not before
 
-    def _describe_anew(self) -> None:
-        """The steps to a model whose effects were not added one after the other; how sure they are."""
-        if {(step.effect, step.where) for step in self.steps} != set(self.current.hypothesis.keys):
-            self.steps[:] = described.anew(self.data, self.root, self.current, self.describe)
-        self.steps[:] = described.as_sure(self.steps, self.sure)
-
-    @property
-    def _state(self) -> tuple[Any, ...]:
-        return self.current, list(self.steps), self.refused, self.rivals, list(self.rounds)
-
-    @_state.setter
-    def _state(self, state: tuple[Any, ...]) -> None:
-        self.current, self.steps, self.refused, self.rivals, self.rounds = state
-
-    def _taken(self, models: Sequence[M], number: int) -> Step | None:
-        comparison = self.data.compare(models)
-        found = self._chosen(comparison, number)
-        self.rounds.append(Round(comparison, found))
-        if number and comparison.best_effect:
-            self.pair = comparison.models[comparison.best_effect]
-        if found.number is not None or (not self.steps and any_gains(comparison) > Answer.NO):
-            self.rivals = rivals(comparison, found.number, self.data.alike)
-        if found.number is None:
-            self.refused = [self._compared(comparison, k) for k in comparison.order]
-            return None
-        self.current = comparison.models[found.number]
-        known = among_vouched(comparison, found.number, self.data.vouches, self.data.compare)
-        self.steps.append(self.describe(*known))
-        return self.steps[-1]
-
     def exchange(self, pair: M) -> None:
         """Look for the first effect again beside the second: alone, one takes up what it can of another."""
         kept = self._state
@@ -279,21 +221,3 @@ class ForwardSelection(Generic[M]):
         if self.sure:
             self.furthest, self.current, self.steps[:] = self.current, less, kept
             self._describe_anew()
-
-    def _chosen(self, comparison: Comparison[M], number: int) -> Choice:
-        before = comparison.models[0]
-        worth = [self.data.worth(before, one, number) for one in comparison.models]
-        vouched = [k > 0 and self.data.vouches(one) for k, one in enumerate(comparison.models)]
-        return choice(comparison, self.data.asked, worth, vouched, self.data.plausible(comparison))
-
-    def describe(self, comparison: Comparison[M], chosen: int) -> Step:
-        """What a step added, how large it is and how surely, and what it was compared with.
-
-        Args:
-            comparison: of what was there before, first, and of what might be added.
-            chosen: number of what was added.
-        """
-        return described.step_of(self.data, self.root, comparison, chosen)
-
-    def _compared(self, comparison: Comparison[M], number: int) -> Compared:
-        return described.in_figures(self.data, comparison, number)

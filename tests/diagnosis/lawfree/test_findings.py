@@ -13,6 +13,7 @@ from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF, PORT_OF
 from flexmodal.diagnosis.lawfree.kinds import KINDS, TORQUE
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, Loss, PlaceTried
+from flexmodal.diagnosis.lawfree.tells import told_by
 from flexmodal.diagnosis.lawfree.templates import templates_for
 from flexmodal.diagnosis.outcome import Gaps, Remaining, Step
 from flexmodal.diagnosis.report.free_look import look_parts
@@ -293,6 +294,7 @@ def test_without_the_look_behind_it_the_answer_stays_unknown(facts):
 def test_what_a_function_alone_tells_is_in_the_json(look):
     alone = replace(BENT, alike=(("link", "link_2"),))
     rubs = Found("torque", "q2", "a torque", 5.4, (("torque", "q2"),), None, (), Loss(0.5, 0.75))
+    alone, rubs = (replace(one, tells=told_by(one)) for one in (alone, rubs))
     one, other = look_json(replace(look, found=(alone, rubs)))["found"]
     assert one["tells"] == "link_flexibility"
     assert other["tells"] == "coulomb_friction"
