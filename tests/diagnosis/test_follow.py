@@ -1577,3 +1577,70 @@ def test_who_asks_for_effects_gets_no_others():
     data = ByFunction(TORQUE)
     data.asked = {"added_mass": ()}
     assert data.by_function(fitted(BASE), []) is None
+
+
+class Places(World):
+    """All effects are found at once, if there are any."""
+
+    def __init__(self, left, keys):
+        super().__init__(left)
+        self.all = keys
+
+    def gaps(self, before, after):
+        return Gaps(1.0, 0.5, None, None, 0.1)
+
+    def together(self):
+        if not self.all:
+            return None
+        every = {key: [Model((*(one for one in self.all if one != key), key))] for key in self.all}
+        return Model(self.all), every
+
+
+def test_effects_that_are_found_together_are_compared_each_and_those_that_nobody_misses_go():
+    hidden = {MASS, DELAY, PLAY}
+    selection = Selection(Places(lambda keys: NOISE / 2 + 20 * len(hidden - keys), (MASS, DELAY, PLAY, BASE)))
+    selection.run()
+    assert selection.data.looked == []  # nothing was followed
+    assert set(steps(selection)) == hidden
+    assert set(selection.current.keys) == hidden
+    first, *others = selection.rounds
+    assert [one.keys for one in first.comparison.models] == [(), (MASS, DELAY, PLAY, BASE)]
+    assert [one.comparison.models[1].key for one in others] == [MASS, DELAY, PLAY, BASE]
+    none = Selection(Places(lambda keys: NOISE / 2 + 20 * len(hidden - keys), ()))
+    none.run()
+    assert none.data.looked
+    assert set(steps(none)) == hidden
+
+
+@pytest.mark.parametrize(
+    ("alone", "asked", "enough", "named", "taken"),
+    [
+        (False, None, True, False, True),
+        (False, None, False, True, True),
+        (False, None, False, False, False),
+        (True, None, True, True, False),  # one place explains everything
+        (False, {"added_mass": ()}, True, True, False),
+    ],
+)
+def test_effects_come_together_where_one_place_does_not_do_and_they_are_enough_or_sure(
+    monkeypatch, alone, asked, enough, named, taken
+):
+    data, model = Mock(spec=FrfData, asked=asked, setup=Mock(spec=Setup), root=fitted()), fitted(MASS, DELAY)
+    one = Mock(spec=Findings, explains=alone, needed=True)
+    data._candidates = Mock(spec=FrfCandidates, looks=Mock(spec=LooksWithoutLaw, one=one, several=Mock()))
+    data.is_enough.return_value, data.is_named.return_value = enough, named
+    found = model, {MASS: (fitted(DELAY, MASS),)}
+    monkeypatch.setattr(frf_by_look, "Together", lambda *given: Mock(found=lambda: found))
+    assert FrfData.together(data) == (found if taken else None)
+    if taken:
+        data._candidates.remember.assert_called_once_with(list(found[1][MASS]))
+    else:
+        data._candidates.remember.assert_not_called()
+
+
+def test_what_was_fitted_together_is_considered_in_place_of_what_is_named(monkeypatch):
+    monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, model: 1.0)
+    candidates = FrfCandidates(Mock(spec=Setup, advance=Mock()), fitted(), with_force=False)
+    itself, other = fitted(DELAY, MASS), fitted(DELAY, BASE)
+    candidates.remember([itself, other])
+    assert candidates.considered(itself, MASS) == [other]

@@ -61,6 +61,15 @@ class Data(ToldData[M], ABC, Generic[M]):
         """
         return [before]
 
+    def together(self) -> tuple[M, Mapping[tuple[str, str], Sequence[M]]] | None:
+        """Effects at several places at once, where a look without a law finds these together.
+
+        Returns:
+            A model that leaves nothing, or whose effects are sure; for each of these the model with it as the
+            last, and what was tried in its place. None where there is no such model.
+        """
+        return None
+
     def besides(self, before: M, number: int) -> list[M]:
         """A model that leaves what counts as noise, and what may yet be in that; nothing where that is clear.
 

@@ -33,6 +33,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     least_share,
 )
 from flexmodal.diagnosis.selection.in_its_stead import Refits, sure_beside
+from flexmodal.diagnosis.selection.together import Together
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_limit import OutOfTime
 
@@ -213,6 +214,19 @@ class FrfsByLook(Data[FittedFrfs]):
         met = {key: one for key, one in self.look.met(keys).items() if one.surely(key[0])}
         open_ = [one.where for one in self.look.found if one not in met.values()]
         return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
+
+    def together(self) -> tuple[FittedFrfs, Mapping[tuple[str, str], Sequence[FittedFrfs]]] | None:
+        """See `Data`; where one place does not explain everything."""
+        one = self._candidates.looks.one
+        if self.asked is not None or one.explains or not one.needed:
+            return None
+        self._look = self._candidates.looks.several
+        found = Together(self.setup, self.root, self._look, self.is_enough, self.without).found()
+        if found is None or not (self.is_enough(found[0]) or self.is_named(found[0])):
+            return None
+        for models in found[1].values():
+            self._candidates.remember(list(models))
+        return found
 
     def by_function(
         self, model: FittedFrfs, tried: Sequence[FittedFrfs]

@@ -193,6 +193,14 @@ class FrfCandidates(WiderLaws):
         )
         return best_of_each([*found, *rubs])
 
+    def remember(self, models: list[FittedFrfs]) -> None:
+        """What was fitted in one place beside the same effects, for `considered`.
+
+        Args:
+            models: the first has what is named there.
+        """
+        self._placed["together", models[0].key] = 0.0, models
+
     def considered(self, model: FittedFrfs, key: tuple[str, str], within: float = np.inf) -> list[FittedFrfs]:
         """What was found where an effect of a model was looked for last, but what the model has anyway.
 

@@ -38,7 +38,7 @@ class ForwardSelection(Steps[M]):
 
     def run(self) -> None:
         """Add effects until nothing is left; those that nobody misses go, and what a function tells comes."""
-        if not self.follow():
+        if not (self.place() or self.follow()):
             with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
                 self.search()
         if not self.rounds:  # there was no time for any
@@ -52,6 +52,23 @@ class ForwardSelection(Steps[M]):
                 steps = described.anew(self.data, self.root, told[0], self.describe)
                 self.furthest = self.current if self.steps else self.furthest
                 self.current, self.steps[:] = told[0], described.as_sure(steps, told[1])
+
+    def place(self) -> bool:
+        """Put effects at several places at once, where a look without a law finds these together.
+
+        Returns:
+            Whether there were any.
+        """
+        found = None
+        with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
+            found = self.data.together()
+        if found is None:
+            return False
+        self.current, others = found
+        self._placed(others)
+        with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
+            self._besides()
+        return True
 
     def follow(self) -> bool:
         """Add effects where a look without a law points, each time beside those that are there.

@@ -82,6 +82,16 @@ class Steps(Generic[M]):
         vouched = [k > 0 and self.data.vouches(one) for k, one in enumerate(comparison.models)]
         return choice(comparison, self.data.asked, worth, vouched, self.data.plausible(comparison))
 
+    def _placed(self, others: Mapping[tuple[str, str], Sequence[M]]) -> None:
+        """The steps to a model whose effects came together, each compared with what may be in its place."""
+        model = self.current
+        self.rounds.append(Round(self.data.compare([self.root, model]), Choice(1)))
+        for key, models in others.items():
+            comparison = self.data.compare([self.data.without(model, key), *models])
+            self.rounds.append(Round(comparison, Choice(1)))
+            self.steps.append(self.describe(comparison, 1))
+        self.steps[:] = described.shared_anew(self.data, self.root, model, self.steps)
+
     def describe(self, comparison: Comparison[M], chosen: int) -> Step:
         """What a step added, how large it is and how surely, and what it was compared with.
 
