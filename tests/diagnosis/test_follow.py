@@ -1613,22 +1613,53 @@ def test_effects_that_are_found_together_are_compared_each_and_those_that_nobody
 
 
 @pytest.mark.parametrize(
-    ("alone", "asked", "enough", "named", "taken"),
+    ("hidden", "known", "looked"),
     [
-        (False, None, True, False, True),
-        (False, None, False, True, True),
-        (False, None, False, False, False),
-        (True, None, True, True, False),  # one place explains everything
-        (False, {"added_mass": ()}, True, True, False),
+        ({MASS, DELAY, PLAY}, (MASS, DELAY), (MASS, DELAY)),  # gone on from
+        ({MASS, DELAY}, (MASS, LINK), (MASS, LINK)),
+        ({MASS, DELAY}, (), ()),
     ],
 )
-def test_effects_come_together_where_one_place_does_not_do_and_they_are_enough_or_sure(
-    monkeypatch, alone, asked, enough, named, taken
-):
-    data, model = Mock(spec=FrfData, asked=asked, setup=Mock(spec=Setup), root=fitted()), fitted(MASS, DELAY)
-    one = Mock(spec=Findings, explains=alone, needed=True)
-    data._candidates = Mock(spec=FrfCandidates, looks=Mock(spec=LooksWithoutLaw, one=one, several=Mock()))
-    data.is_enough.return_value, data.is_named.return_value = enough, named
+def test_effects_found_together_that_are_not_enough_are_gone_on_from(hidden, known, looked):
+    """What is not there goes in the end."""
+    selection = Selection(Places(lambda keys: NOISE / 2 + 20 * len(hidden - keys), known))
+    selection.run()
+    assert selection.data.looked[0] == looked
+    assert set(steps(selection)) == hidden
+    assert set(selection.current.keys) == hidden
+
+
+def test_where_that_does_not_lead_on_everything_is_searched_from_the_start():
+    selection = Selection(Places(lambda keys: 100.0 - len(keys), (MASS, DELAY)))
+    assert not selection.place()
+    assert not selection.follow(selection.together)
+    assert selection.current.keys == ()
+    assert not selection.steps
+
+
+@pytest.mark.parametrize(
+    ("alone", "needed", "asked", "looked"),
+    [
+        (False, True, None, True),
+        (True, True, None, False),  # one place explains everything
+        (False, False, None, False),
+        (False, True, {"added_mass": ()}, False),
+    ],
+)
+def test_several_places_are_looked_for_where_one_does_not_do(alone, needed, asked, looked):
+    data = Mock(spec=FrfData, asked=asked)
+    one, several = Mock(spec=Findings, explains=alone, needed=needed), Mock(spec=Findings)
+    data._look = one
+    data._candidates = Mock(spec=FrfCandidates, looks=Mock(spec=LooksWithoutLaw, one=one, several=several))
+    FrfData.look_further(data)
+    assert (data._look is several) is looked
+
+
+@pytest.mark.parametrize(("places", "share", "taken"), [(2, 0.6, True), (2, 0.4, False), (1, 0.6, False)])
+def test_effects_come_together_where_they_take_the_larger_part(monkeypatch, places, share, taken):
+    data, model = Mock(spec=FrfData, setup=Mock(spec=Setup), root=fitted()), fitted(MASS, DELAY)
+    data._look, data._candidates = Mock(spec=Findings, found=[None] * places), Mock(spec=FrfCandidates)
+    data.share.return_value = share
     found = model, {MASS: (fitted(DELAY, MASS),)}
     monkeypatch.setattr(frf_by_look, "Together", lambda *given: Mock(found=lambda: found))
     assert FrfData.together(data) == (found if taken else None)

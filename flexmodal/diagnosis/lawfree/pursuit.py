@@ -8,14 +8,17 @@ port that nobody misses goes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from flexmodal.diagnosis.lawfree.effects_at import holds
 from flexmodal.diagnosis.lawfree.look import SOUND, Field
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.screening import ALIKE
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting
+from flexmodal.diagnosis.time_limit import OutOfTime
 
 GAINS = 1.25
 """Times by which the misfit without any port, or without one of several, has to exceed that with it."""
@@ -34,7 +37,7 @@ class Member:
 
     port: Port
     without: float
-    """Misfit of the others alone."""
+    """Misfit of the others alone; of those found before it where time was up."""
     alike: tuple[Port, ...]
     """What cannot be told from it beside the others, itself included; the simplest first."""
 
@@ -76,29 +79,43 @@ def alone(field: Field, advance: Progress = lambda part: None) -> LawFree:
 
 
 def pursued(field: Field, found: LawFree, advance: Progress = lambda part: None) -> LawFree:
-    """Look for several places, where one is not enough.
+    """Look for several places, where one is not enough; those found by then, where time is up.
 
     Args:
         field: what is looked at.
         found: the look for one place.
         advance: called with the part that is done.
     """
-    whole, rounds, others = found.whole, [found.first], Others(field)
+    whole, rounds, others, came = found.whole, [found.first], Others(field), [field.bare]
 
     def further(part: float) -> None:
         advance((len(rounds) - 1) / MOST)
 
     gained = field.bare >= FURTHER * whole.judged
-    while gained and whole.judged > SOUND and len(whole.ports) < MOST:
-        tried = field.round(whole, advance=further)
-        gained = bool(tried.sightings) and whole.judged >= FURTHER * tried.best.judged
-        if gained:
-            rounds.append(tried)
-            whole = _again(field, tried.best, rounds, others, further)
-    whole = _narrowed(field, _needed(whole, others), others, further)
-    if len(whole.ports) == 1 and whole.port.key == found.whole.port.key:
-        return found
-    return LawFree(field.bare, found.first, *_settled(field, whole, rounds, others, further))
+    try:
+        while gained and whole.judged > SOUND and len(whole.ports) < MOST:
+            tried = field.round(whole, advance=further)
+            gained = bool(tried.sightings) and whole.judged >= FURTHER * tried.best.judged
+            if gained:
+                rounds.append(tried)
+                came.append(whole.judged)
+                whole = tried.best
+                whole = _again(whole, rounds, others, further)
+        least = _narrowed(field, _needed(whole, others), others, further)
+        if len(least.ports) == 1 and least.port.key == found.whole.port.key:
+            return found
+        return LawFree(field.bare, found.first, *_settled(field, least, rounds, others, further))
+    except OutOfTime:
+        if len(whole.ports) == 1:
+            return found
+        return LawFree(field.bare, found.first, whole, _unsettled(whole, rounds, came))
+
+
+def _unsettled(whole: Sighting, rounds: Sequence[Round], without: Sequence[float]) -> tuple[Member, ...]:
+    """What is known of each port when time is up: what it was alike when it was found."""
+    alike = {tried.best.port.key: tuple(one.port for one in tried.alike) for tried in rounds}
+    told = zip(whole.ports, without, strict=True)
+    return tuple(Member(port, before, alike.get(port.key, (port,))) for port, before in told)
 
 
 def _rivals(rounds: list[Round], port: Port) -> list[Port]:
@@ -113,7 +130,7 @@ def _rivals(rounds: list[Round], port: Port) -> list[Port]:
 
 
 class Others:
-    """Ports without one of them, fitted; what was fitted once is known for the rest of a pursuit."""
+    """Ports without one of them, fitted, and with another in its stead; each once in a pursuit."""
 
     def __init__(self, field: Field) -> None:
         """Nothing is known yet.
@@ -123,6 +140,7 @@ class Others:
         """
         self._field = field
         self._known: dict[tuple[Port, ...], Sighting] = {}
+        self._tried: dict[tuple[tuple[Port, ...], Port], list[Sighting]] = {}
 
     def beside(self, whole: Sighting, port: Port) -> Sighting | None:
         """All ports but one; None where there are no others.
@@ -136,13 +154,32 @@ class Others:
             self._known[rest] = self._field.sighted(rest)
         return self._known[rest] if rest else None
 
+    def round(self, whole: Sighting, port: Port, tried: Sequence[Port], advance: Progress) -> Round:
+        """Ports in the stead of one, beside the others.
 
-def _again(field: Field, whole: Sighting, rounds: list[Round], others: Others, advance: Progress) -> Sighting:
+        Args:
+            whole: of all ports.
+            port: the one to leave out.
+            tried: those in its stead, itself perhaps among them.
+            advance: called with the part that is done.
+        """
+        rest = self.beside(whole, port)
+        there = () if rest is None else rest.ports
+        new = [one for one in tried if (there, one) not in self._tried]
+        found = self._field.round(rest, new, advance).sightings if new else ()
+        for one in new:
+            self._tried[there, one] = [each for each in found if each.port == one]
+        known = [each for one in tried for each in self._tried[there, one]]
+        known = [one for one in known if np.isfinite(one.judged)] or known
+        return Round(tuple(sorted(known, key=lambda one: one.judged)))
+
+
+def _again(whole: Sighting, rounds: list[Round], others: Others, advance: Progress) -> Sighting:
     """Each port but the last looked for again beside the others."""
     for port in whole.ports[:-1]:
         if whole.judged <= SOUND:
             break
-        tried = field.round(others.beside(whole, port), _rivals(rounds, port), advance)
+        tried = others.round(whole, port, _rivals(rounds, port), advance)
         if tried.sightings and tried.best.judged * FURTHER < whole.judged:
             whole = tried.best
     return whole
@@ -163,7 +200,7 @@ def _narrowed(field: Field, whole: Sighting, others: Others, advance: Progress) 
         taken = {one.key for one in whole.ports}
         less = [one for one in field.ports if holds(port.key, one.key) and one.key not in taken]
         if less:
-            tried = field.round(others.beside(whole, port), less, advance)
+            tried = others.round(whole, port, less, advance)
             if tried.best.judged <= ALIKE * whole.judged:
                 whole = tried.best
     return whole
@@ -176,7 +213,7 @@ def _settled(
     found: dict[tuple[str, str], Member] = {}
     for port in whole.ports:
         rest = others.beside(whole, port)
-        tried = field.round(rest, _rivals(rounds, port), advance)
+        tried = others.round(whole, port, _rivals(rounds, port), advance)
         if tried.best.port.key != port.key:
             whole = tried.best
         alike = tuple(one.port for one in tried.alike)

@@ -61,12 +61,15 @@ class Data(ToldData[M], ABC, Generic[M]):
         """
         return [before]
 
+    def look_further(self) -> None:
+        """Look for several places without a law, as far as time allows, where one does not explain all."""
+
     def together(self) -> tuple[M, Mapping[tuple[str, str], Sequence[M]]] | None:
         """Effects at several places at once, where a look without a law finds these together.
 
         Returns:
-            A model that leaves nothing, or whose effects are sure; for each of these the model with it as the
-            last, and what was tried in its place. None where there is no such model.
+            The best model; for each of its effects the same with it as the last, and what was tried in its
+            place. None where there is no such model, or it does not take the larger part.
         """
         return None
 

@@ -215,14 +215,18 @@ class FrfsByLook(Data[FittedFrfs]):
         open_ = [one.where for one in self.look.found if one not in met.values()]
         return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
 
-    def together(self) -> tuple[FittedFrfs, Mapping[tuple[str, str], Sequence[FittedFrfs]]] | None:
-        """See `Data`; where one place does not explain everything."""
+    def look_further(self) -> None:
+        """See `Data`."""
         one = self._candidates.looks.one
-        if self.asked is not None or one.explains or not one.needed:
+        if self.asked is None and one.needed and not one.explains:
+            self._look = self._candidates.looks.several
+
+    def together(self) -> tuple[FittedFrfs, Mapping[tuple[str, str], Sequence[FittedFrfs]]] | None:
+        """See `Data`."""
+        if len(self._look.found) < 2:
             return None
-        self._look = self._candidates.looks.several
         found = Together(self.setup, self.root, self._look, self.is_enough, self.without).found()
-        if found is None or not (self.is_enough(found[0]) or self.is_named(found[0])):
+        if found is None or self.share(self.root, found[0]) < LARGER_PART:
             return None
         for models in found[1].values():
             self._candidates.remember(list(models))

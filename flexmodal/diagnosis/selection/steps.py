@@ -43,6 +43,8 @@ class Steps(Generic[M]):
         """What was come to by following the data, where none of it is sure enough to be named."""
         self.sure: Mapping[tuple[str, str], float] = {}
         """Effects that are sure beside the others whatever else is missing, and how sure."""
+        self.together: M | None = None
+        """Effects at several places at once that are neither enough nor sure; to go on from."""
         self.pair: M | None = None
         """The best pair of effects, added or not."""
 

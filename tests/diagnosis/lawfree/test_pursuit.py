@@ -16,6 +16,7 @@ from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.diagnosis.lawfree.pursuit import alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import SENSOR
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting
+from flexmodal.diagnosis.time_limit import OutOfTime
 
 PROFILE, STATE = object.__new__(Profile), object.__new__(State)
 """Of no port at all; nobody looks at them here."""
@@ -64,6 +65,60 @@ def test_a_joint_stands_for_a_coupling_that_is_no_better():
     })  # fmt: skip
     found = pursued(field, alone(field))
     assert {one.where for one in found.whole.ports} == {"q1", "q2"}
+
+
+THREE = {
+    frozenset({"q1"}): 6.0, frozenset({"q1", "q2"}): 3.0, frozenset({"q1", "q2", "q1+q2"}): 0.7,
+}  # fmt: skip
+"""Of the first, of the first and the second, and of all three."""
+
+
+class Counted(Given):
+    """Time may be up in a round; every fit is counted."""
+
+    def __init__(self, rounds=99):
+        super().__init__((ONE, OTHER, PAIR), THREE)
+        object.__setattr__(self, "fitted", [])
+        object.__setattr__(self, "left", [rounds])
+
+    def round(self, before=None, ports=None, advance=lambda part: None):
+        self.left[0] -= 1
+        if self.left[0] < 0:
+            raise OutOfTime
+        there = tuple(one.where for one in before.ports) if before else ()
+        self.fitted.extend((there, one.where) for one in ports or ())
+        return super().round(before, ports, advance)
+
+
+def test_what_was_fitted_in_the_stead_of_a_port_is_fitted_once():
+    field = Counted()
+    found = pursued(field, alone(field))
+    assert [one.where for one in found.whole.ports] == ["q1", "q2", "q1+q2"]
+    assert len(field.fitted) == len(set(field.fitted))
+    assert (("q1", "q1+q2"), "q2") in field.fitted
+
+
+@pytest.mark.parametrize(
+    ("rounds", "where"),
+    [
+        (1, ["q1"]),
+        (2, ["q1", "q2"]),
+        (3, ["q1", "q2"]),
+        (4, ["q1", "q2", "q1+q2"]),
+        (6, ["q1", "q2", "q1+q2"]),
+    ],
+)
+def test_those_found_by_then_stand_where_time_is_up(rounds, where):
+    """What was a rival when each was found still is one, and each has the misfit from before it."""
+    field = Counted(rounds)
+    found = pursued(field, first := alone(field))
+    assert [one.where for one in found.whole.ports] == where
+    assert [one.port.where for one in found.members] == where
+    assert (found is first) == (rounds == 1)
+    assert found.explains == (len(where) == 3)
+    if rounds < 6:
+        assert [one.without for one in found.members] == [10.0, 6.0, 3.0][: len(where)]
+        assert all(one.alike == (one.port,) for one in found.members)
 
 
 class Screened(Given):
