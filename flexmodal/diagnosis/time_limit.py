@@ -12,9 +12,6 @@ FOR_EFFECTS = 0.85
 """Part of the time in which effects are added to several. The rest is for asking which of them are sure, and
 there even if what was cut off has lasted longer: a fit is not cut off in its midst."""
 
-TO_LOOK = 0.6
-"""Part of the time in which several places are looked for at once; with those found by then it goes on."""
-
 
 class OutOfTime(Exception):
     """The time is up; caught where what was found so far is known."""

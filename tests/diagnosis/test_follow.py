@@ -1580,93 +1580,88 @@ def test_who_asks_for_effects_gets_no_others():
 
 
 class Places(World):
-    """All effects are found at once, if there are any."""
+    """Effects are found together, if there are any, and what is followed leads nowhere, or not to the end."""
 
-    def __init__(self, left, keys):
-        super().__init__(left)
-        self.all = keys
+    def __init__(self, left, keys, followed=()):
+        super().__init__(left, named=[followed])
+        self.all, self.first, self.wanted = keys, followed, []
+
+    def pointed(self, before, number):
+        further = self.first[number : number + 1]
+        return [before, *(Model((*before.keys, key)) for key in further)]
+
+    def candidates(self, before, number):
+        return [before, Model((*before.keys, ("spare", "f")))]
 
     def gaps(self, before, after):
         return Gaps(1.0, 0.5, None, None, 0.1)
 
-    def together(self):
-        if not self.all:
-            return None
+    def together(self, known=None):
+        self.wanted.append(known and known.keys)
         every = {key: [Model((*(one for one in self.all if one != key), key))] for key in self.all}
-        return Model(self.all), every
+        return (Model(self.all), every) if self.all else None
 
 
 def test_effects_that_are_found_together_are_compared_each_and_those_that_nobody_misses_go():
     hidden = {MASS, DELAY, PLAY}
     selection = Selection(Places(lambda keys: NOISE / 2 + 20 * len(hidden - keys), (MASS, DELAY, PLAY, BASE)))
     selection.run()
-    assert selection.data.looked == []  # nothing was followed
+    assert selection.data.wanted == [None]
     assert set(steps(selection)) == hidden
     assert set(selection.current.keys) == hidden
-    first, *others = selection.rounds
+    first, *others = selection.rounds[-5:]
     assert [one.keys for one in first.comparison.models] == [(), (MASS, DELAY, PLAY, BASE)]
     assert [one.comparison.models[1].key for one in others] == [MASS, DELAY, PLAY, BASE]
-    none = Selection(Places(lambda keys: NOISE / 2 + 20 * len(hidden - keys), ()))
-    none.run()
-    assert none.data.looked
-    assert set(steps(none)) == hidden
 
 
 @pytest.mark.parametrize(
-    ("hidden", "known", "looked"),
+    ("followed", "together", "asked", "expected"),
     [
-        ({MASS, DELAY, PLAY}, (MASS, DELAY), (MASS, DELAY)),  # gone on from
-        ({MASS, DELAY}, (MASS, LINK), (MASS, LINK)),
-        ({MASS, DELAY}, (), ()),
+        ((MASS,), (MASS, DELAY), [(MASS,)], {MASS, DELAY}),  # named, and more than noise is left
+        ((MASS,), (), [(MASS,)], {MASS}),
+        ((MASS, DELAY), (MASS, LINK), [], {MASS, DELAY}),  # nothing is left
+        ((), (), [None], set()),
     ],
 )
-def test_effects_found_together_that_are_not_enough_are_gone_on_from(hidden, known, looked):
-    """What is not there goes in the end."""
-    selection = Selection(Places(lambda keys: NOISE / 2 + 20 * len(hidden - keys), known))
+def test_effects_come_together_where_those_that_are_followed_leave_something(
+    followed, together, asked, expected
+):
+    hidden = {MASS, DELAY}
+    selection = Selection(Places(lambda keys: NOISE / 2 + 20 * len(hidden - keys), together, followed))
     selection.run()
-    assert selection.data.looked[0] == looked
-    assert set(steps(selection)) == hidden
-    assert set(selection.current.keys) == hidden
-
-
-def test_where_that_does_not_lead_on_everything_is_searched_from_the_start():
-    selection = Selection(Places(lambda keys: 100.0 - len(keys), (MASS, DELAY)))
-    assert not selection.place()
-    assert not selection.follow(selection.together)
-    assert selection.current.keys == ()
-    assert not selection.steps
+    assert selection.data.wanted == asked
+    assert set(steps(selection)) == expected
 
 
 @pytest.mark.parametrize(
-    ("alone", "needed", "asked", "looked"),
+    ("alone", "needed", "asked", "known", "enough", "named", "taken"),
     [
-        (False, True, None, True),
-        (True, True, None, False),  # one place explains everything
-        (False, False, None, False),
-        (False, True, {"added_mass": ()}, False),
+        (False, True, None, None, True, False, True),
+        (False, True, None, None, False, True, True),
+        (False, True, None, None, False, False, False),
+        (False, True, None, (MASS,), False, True, True),
+        (False, True, None, (LINK,), False, True, False),
+        (False, True, None, (DELAY, MASS), False, True, False),
+        (False, True, None, (LINK,), True, False, True),
+        (True, True, None, None, True, True, False),  # one place explains everything
+        (False, False, None, None, True, True, False),
+        (False, True, {"added_mass": ()}, None, True, True, False),
     ],
 )
-def test_several_places_are_looked_for_where_one_does_not_do(alone, needed, asked, looked):
-    data = Mock(spec=FrfData, asked=asked)
+def test_effects_come_together_where_one_place_does_not_do_and_they_are_enough_or_sure(
+    monkeypatch, alone, needed, asked, known, enough, named, taken
+):
+    """Beside what is sure already, what is sure and more."""
+    data, model = Mock(spec=FrfData, asked=asked, setup=Mock(spec=Setup), root=fitted()), fitted(MASS, DELAY)
     one, several = Mock(spec=Findings, explains=alone, needed=needed), Mock(spec=Findings)
     data._look = one
     data._candidates = Mock(spec=FrfCandidates, looks=Mock(spec=LooksWithoutLaw, one=one, several=several))
-    FrfData.look_further(data)
-    assert (data._look is several) is looked
-
-
-@pytest.mark.parametrize(("places", "share", "taken"), [(2, 0.6, True), (2, 0.4, False), (1, 0.6, False)])
-def test_effects_come_together_where_they_take_the_larger_part(monkeypatch, places, share, taken):
-    data, model = Mock(spec=FrfData, setup=Mock(spec=Setup), root=fitted()), fitted(MASS, DELAY)
-    data._look, data._candidates = Mock(spec=Findings, found=[None] * places), Mock(spec=FrfCandidates)
-    data.share.return_value = share
+    data.is_enough.return_value, data.is_named.return_value = enough, named
     found = model, {MASS: (fitted(DELAY, MASS),)}
     monkeypatch.setattr(frf_by_look, "Together", lambda *given: Mock(found=lambda: found))
-    assert FrfData.together(data) == (found if taken else None)
-    if taken:
-        data._candidates.remember.assert_called_once_with(list(found[1][MASS]))
-    else:
-        data._candidates.remember.assert_not_called()
+    assert FrfData.together(data, known and fitted(*known)) == (found if taken else None)
+    assert data._look is (several if taken else one)
+    assert data._candidates.remember.call_count == taken
 
 
 def test_what_was_fitted_together_is_considered_in_place_of_what_is_named(monkeypatch):

@@ -10,7 +10,8 @@ from flexmodal.diagnosis.next_measurement.choose import Sure, next_among_records
 from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_left, information
 from flexmodal.diagnosis.next_measurement.refit import not_made_up_for
 from flexmodal.diagnosis.next_measurement.setups import Bench, postures_to_try
-from flexmodal.identification import uncertainty
+from flexmodal.errors import SingularResponse
+from flexmodal.identification import uncertainty, unlimited
 
 NOISE = 0.05
 
@@ -119,3 +120,26 @@ def test_what_a_model_cannot_predict_tells_nothing():
     found = choose._relative(value, slopes, Mock(spec=Sure, covariance=np.eye(1)))
     np.testing.assert_array_equal(found.value, [[0.0, 0.0, 2.0]])
     np.testing.assert_array_equal(found.slopes, [[[0.0, 0.0, 1.5]]])
+
+
+def test_of_a_model_that_rings_up_records_without_an_end_are_planned(observed, hinged, monkeypatch):
+    """It would have no receptance within those of the campaign."""
+    hypothesis, fit = hinged[2:]
+    one = Sure(hypothesis, fit.x, uncertainty(hypothesis.space, fit.normal, observed).covariance)
+    bench = Bench.of(observed, hypothesis.context)
+    planned, there = bench.planned([(hypothesis.context.postures[0], bench.rows[:2])], [0])
+    asked, lines = [], slice(0, None, 40)
+
+    def evaluated(model, x, planned, lines, *, slopes):
+        asked.append(planned)
+        if not planned.endless:
+            raise SingularResponse("it rings up")
+        return choose_evaluated(model, x, planned, lines, slopes=slopes)
+
+    choose_evaluated = choose.evaluated
+    expected = choose._seen(one, there, unlimited(planned), lines)
+    monkeypatch.setattr(choose, "evaluated", evaluated)
+    found = choose._seen(one, there, planned, lines)
+    assert len(asked) == 2
+    np.testing.assert_array_equal(found.value, expected.value)
+    np.testing.assert_array_equal(found.slopes, expected.slopes)

@@ -25,7 +25,8 @@ from flexmodal.diagnosis.next_measurement.refit import At, not_made_up_for
 from flexmodal.diagnosis.next_measurement.setups import Bench, Plan, postures_to_try
 from flexmodal.diagnosis.outcome import NextMeasurement
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.identification import Observations
+from flexmodal.errors import SingularResponse
+from flexmodal.identification import Observations, unlimited
 from flexmodal.identification.gap import gap
 from flexmodal.identification.model import evaluated
 from flexmodal.structure.structure import Axis, receptance
@@ -274,11 +275,16 @@ def _label(hypothesis: Hypothesis) -> str:
 
 
 def _seen(fit: Sure, there: Context, planned: Observations, lines: slice) -> Predicted:
+    """What a model predicts; in records without an end where it rings up within those that are planned."""
     moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
     count = len(planned.axis.take(lines))
     value = np.zeros((len(planned), count), dtype=complex)
     slopes = np.zeros((len(moved.space), len(planned), count), dtype=complex)
-    for some, found, changes in evaluated(moved, fit.x, planned, lines, slopes=True):
+    try:
+        every = list(evaluated(moved, fit.x, planned, lines, slopes=True))
+    except SingularResponse:
+        every = list(evaluated(moved, fit.x, unlimited(planned), lines, slopes=True))
+    for some, found, changes in every:
         value[some], slopes[:, some] = found, changes
     return _relative(value, slopes, fit)
 

@@ -61,15 +61,16 @@ class Data(ToldData[M], ABC, Generic[M]):
         """
         return [before]
 
-    def look_further(self) -> None:
-        """Look for several places without a law, as far as time allows, where one does not explain all."""
+    def together(self, known: M | None = None) -> tuple[M, Mapping[tuple[str, str], Sequence[M]]] | None:
+        """Effects at several places at once, where one does not explain everything without a law.
 
-    def together(self) -> tuple[M, Mapping[tuple[str, str], Sequence[M]]] | None:
-        """Effects at several places at once, where a look without a law finds these together.
+        Args:
+            known: a model with effects that are sure already. Only what leaves nothing is better, or is sure
+                and has these effects and more.
 
         Returns:
             The best model; for each of its effects the same with it as the last, and what was tried in its
-            place. None where there is no such model, or it does not take the larger part.
+            place. None where there is no such model.
         """
         return None
 

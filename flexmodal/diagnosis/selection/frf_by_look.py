@@ -215,18 +215,19 @@ class FrfsByLook(Data[FittedFrfs]):
         open_ = [one.where for one in self.look.found if one not in met.values()]
         return (tuple(met), tuple(dict.fromkeys(open_))) if open_ else ((), ())
 
-    def look_further(self) -> None:
+    def together(
+        self, known: FittedFrfs | None = None
+    ) -> tuple[FittedFrfs, Mapping[tuple[str, str], Sequence[FittedFrfs]]] | None:
         """See `Data`."""
-        one = self._candidates.looks.one
-        if self.asked is None and one.needed and not one.explains:
-            self._look = self._candidates.looks.several
-
-    def together(self) -> tuple[FittedFrfs, Mapping[tuple[str, str], Sequence[FittedFrfs]]] | None:
-        """See `Data`."""
-        if len(self._look.found) < 2:
+        one, before = self._candidates.looks.one, self._look
+        if self.asked is not None or one.explains or not one.needed:
             return None
+        self._look = self._candidates.looks.several
         found = Together(self.setup, self.root, self._look, self.is_enough, self.without).found()
-        if found is None or self.share(self.root, found[0]) < LARGER_PART:
+        there = set() if known is None else set(known.hypothesis.keys)
+        more = found is not None and there < set(found[0].hypothesis.keys)
+        if found is None or not (self.is_enough(found[0]) or (more and self.is_named(found[0]))):
+            self._look = before
             return None
         for models in found[1].values():
             self._candidates.remember(list(models))

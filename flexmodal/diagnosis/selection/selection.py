@@ -25,7 +25,7 @@ from flexmodal.diagnosis.selection.exchange import (
     without,
 )
 from flexmodal.diagnosis.selection.steps import Steps
-from flexmodal.diagnosis.time_limit import FOR_EFFECTS, TO_LOOK, OutOfTime
+from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime
 
 MOST = 5
 """Effects at once."""
@@ -38,7 +38,8 @@ class ForwardSelection(Steps[M]):
 
     def run(self) -> None:
         """Add effects until nothing is left; those that nobody misses go, and what a function tells comes."""
-        if not self.place() and not self.follow(self.together):
+        followed = self.follow()
+        if not self.place(followed=followed) and not followed:
             with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
                 self.search()
         if not self.rounds:  # there was no time for any
@@ -47,27 +48,27 @@ class ForwardSelection(Steps[M]):
             self.drop_needless()
             self.drop_hardly_possible()
         tried = [one for each in self.rounds for one in each.comparison.models]
-        tried += [] if self.together is None else [self.together]
         with suppress(OutOfTime), self.limit.counting(at_least=1 - FOR_EFFECTS):
             if (told := self.data.by_function(self.current, tried)) is not None:
                 steps = described.anew(self.data, self.root, told[0], self.describe)
                 self.furthest = self.current if self.steps else self.furthest
                 self.current, self.steps[:] = told[0], described.as_sure(steps, told[1])
 
-    def place(self) -> bool:
+    def place(self, *, followed: bool) -> bool:
         """Put effects at several places at once, where a look without a law finds these together.
 
+        Args:
+            followed: whether there are effects already. Those that leave nothing stay.
+
         Returns:
-            Whether there were any.
+            Whether there were any such places.
         """
+        if followed and self.data.is_enough(self.current):
+            return False
         found = None
-        with suppress(OutOfTime):
-            with self.limit.counting(TO_LOOK):
-                self.data.look_further()
-            with self.limit.counting(FOR_EFFECTS):
-                found = self.data.together()
-        if found is None or not self.data.is_over(found[0]):
-            self.together = None if found is None else found[0]
+        with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
+            found = self.data.together(self.current if followed else None)
+        if found is None:
             return False
         self.current, others = found
         self._placed(others)
@@ -75,21 +76,17 @@ class ForwardSelection(Steps[M]):
             self._besides()
         return True
 
-    def follow(self, first: M | None = None) -> bool:
+    def follow(self) -> bool:
         """Add effects where a look without a law points, each time beside those that are there.
 
         Each has to take no more than the first effect must: several may hide one another. They stay if
         together they leave nothing, or so many of the first as are named without the others, or if some of
         them are sure whatever is missing besides.
 
-        Args:
-            first: a model to go on from; the present one by default.
-
         Returns:
             Whether any stayed.
         """
         kept = self._state
-        self.current = self.current if first is None else first
         ended, named = self._pursued()
         if not ended and named is None:
             with self.limit.counting(at_least=1 - FOR_EFFECTS):
@@ -169,11 +166,7 @@ class ForwardSelection(Steps[M]):
         """
         best = (comparison := self.rounds[-1].comparison).best_effect
         gains = best and comparison.first_gain(best) > 0
-        if (
-            not self.current.hypothesis.keys
-            or not gains
-            or not takes(self.data, self.current, comparison.models[best], MUCH)
-        ):
+        if not self.steps or not gains or not takes(self.data, self.current, comparison.models[best], MUCH):
             return False
         self.current, self.refused = comparison.models[best], []
         self.steps.append(self.describe(comparison, best))

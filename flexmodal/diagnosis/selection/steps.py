@@ -43,8 +43,6 @@ class Steps(Generic[M]):
         """What was come to by following the data, where none of it is sure enough to be named."""
         self.sure: Mapping[tuple[str, str], float] = {}
         """Effects that are sure beside the others whatever else is missing, and how sure."""
-        self.together: M | None = None
-        """Effects at several places at once that are neither enough nor sure; to go on from."""
         self.pair: M | None = None
         """The best pair of effects, added or not."""
 
@@ -86,7 +84,8 @@ class Steps(Generic[M]):
 
     def _placed(self, others: Mapping[tuple[str, str], Sequence[M]]) -> None:
         """The steps to a model whose effects came together, each compared with what may be in its place."""
-        model = self.current
+        model, self.sure, self.refused, self.rivals = self.current, {}, [], None
+        self.steps.clear()
         self.rounds.append(Round(self.data.compare([self.root, model]), Choice(1)))
         for key, models in others.items():
             comparison = self.data.compare([self.data.without(model, key), *models])
