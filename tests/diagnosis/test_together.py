@@ -10,7 +10,7 @@ from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import catalogue
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.result import Findings, Found
+from flexmodal.diagnosis.lawfree.result import Findings, Found, told_at
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import fitted_closely
 from flexmodal.diagnosis.selection.frf_thresholds import FLOOR_REACHED
@@ -55,8 +55,11 @@ def together(made, *places, able=ABLE):
     setup, root = made
     setup.effects = tuple(catalogue()[name] for name in able)
     look = Findings(9.0, 0.7, (), places, explains=True, needed=True, says="")
-    enough = lambda one: over_noise(setup, one) <= FLOOR_REACHED  # noqa: E731
-    return Together(setup, root, look, enough, Refits(setup).without)
+
+    def is_enough(one):
+        return over_noise(setup, one) <= FLOOR_REACHED
+
+    return Together(setup, root, look, is_enough, Refits(setup).without)
 
 
 def test_all_are_fitted_together_and_others_in_each_place_are_compared(made):
@@ -87,12 +90,12 @@ def test_effects_set_out_from_what_the_function_was(made, observed):
     place = found("body", "link_3", free=free)
     asked = together(made, found("sensor", "location_6"), place, able=(*ABLE, "local_absorber"))
     absorber = catalogue()["local_absorber"]
-    told = asked._told(absorber, "link_3", place)
+    told = told_at(place, absorber, "link_3", made[0].context)
     assert any(one["frequency"] == pytest.approx(40.0, rel=0.05) for one in told)
     (option,) = (one for one in asked._options(place) if one.placed.effect == absorber)
-    assert option.starts[: len(told)] == told
-    assert asked._told(absorber, "link_3", found("body", "link_3")) == []
-    assert asked._told(catalogue()["added_mass"], "link_3", place) == []  # which nobody can tell
+    assert option.starts[: len(told)] == list(told)
+    assert told_at(found("body", "link_3"), absorber, "link_3", made[0].context) == []
+    assert told_at(place, catalogue()["added_mass"], "link_3", made[0].context) == []  # which nobody can tell
 
 
 @pytest.mark.parametrize(

@@ -99,7 +99,7 @@ def pursued(field: Field, found: LawFree, advance: Progress = lambda part: None)
             if gained:
                 rounds.append(tried)
                 came.append(whole.judged)
-                whole = tried.best
+                whole = tried.best  # which stands if time is up meanwhile
                 whole = _again(whole, rounds, others, further)
         least = _narrowed(field, _needed(whole, others), others, further)
         if len(least.ports) == 1 and least.port.key == found.whole.port.key:

@@ -235,13 +235,14 @@ class Findings:
         Returns:
             Values of the effect, and coordinates of what is believed beside it.
         """
-        if effect.told is None:
-            return []
-        key, met = (PORT_OF[effect.name], where), any(one.has(effect.name, where) for one in self.found)
+        met = any(one.has(effect.name, where) for one in self.found)
         most = np.inf if met else 0.0 if self.explains else self.alone / TELLS
-        here = [one.free for one in self.places if holds((one.port, one.where), key) and one.judged <= most]
-        told = [(effect.told(context, where, free), free.fitted) for free in here if free is not None]
-        return [(values, fitted) for found, fitted in told for values in found]
+        return [
+            (values, one.free.fitted)
+            for one in self.places
+            if one.judged <= most and one.free is not None
+            for values in told_at(one, effect, where, context)
+        ]
 
     def in_order(self, known: Sequence[str], wanted: Sequence[str]) -> Findings:
         """The same for other orders of the coordinates of what is believed.
@@ -274,3 +275,20 @@ class Findings:
             for k, m in zip(rows.tolist(), columns.tolist(), strict=True)
             if can[k, m] > 0
         }
+
+
+def told_at(
+    place: PlaceTried | Found, effect: Effect, where: str, context: Context
+) -> Sequence[Mapping[str, float]]:
+    """Values of an effect that the function of a place tells; none where it cannot, or there is no function.
+
+    Args:
+        place: its port has to do what the effect's does.
+        effect: of the catalogue.
+        where: the effect's place.
+        context: of the diagnosis.
+    """
+    if effect.told is None or place.free is None:
+        return []
+    able = holds((place.port, place.where), (PORT_OF[effect.name], where))
+    return effect.told(context, where, place.free) if able else []

@@ -8,7 +8,7 @@ function was, and all are fitted together; then wider laws come, and other effec
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -16,10 +16,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
-from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.effects_at import PORT_OF, holds
-from flexmodal.diagnosis.lawfree.result import Findings, Found
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
+from flexmodal.diagnosis.lawfree.result import Findings, Found, told_at
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import both_beside
 from flexmodal.diagnosis.search.close_fit import tried_closely
@@ -99,19 +98,19 @@ class Together:
         for effect in self.setup.effects:
             for where in () if effect.untestable(context) else effect.places(context):
                 if found.could_be(effect.name, where):
-                    starts = [*self._told(effect, where, found), *effect.starts(context, where)]
+                    starts = [*told_at(found, effect, where, context), *effect.starts(context, where)]
                     able.append(Option(Placed(effect, where), starts))
         there = {(name, found.where) for name, port in PORT_OF.items() if port == found.port}
         there |= {(found.tells or "", found.where)}
         just = [one for one in able if one.placed.key in there]
         return sorted(just or able, key=lambda one: one.placed.key != (found.tells, found.where))
 
-    def _told(self, effect: Effect, where: str, found: Found) -> list[Values]:
-        """Where an effect may set out by the function of a place."""
-        able = effect.told is not None and holds((found.port, found.where), (PORT_OF[effect.name], where))
-        if not able or effect.told is None or found.free is None:
-            return []
-        return list(effect.told(self.setup.context, where, found.free))
+    def _set_out(
+        self, place: Found, x: Float[np.ndarray, " before"], *before: Float[np.ndarray, " before"]
+    ) -> SetOut:
+        """From what the function of a place tells, all else as it is; elsewhere by an effect's own starts."""
+        context = self.setup.context
+        return SetOut(before, lambda effect, at: [(one, x) for one in told_at(place, effect, at, context)])
 
     def _fitted(self, options: Sequence[Sequence[Option]]) -> FittedFrfs | None:
         """From the starts that together are best."""
@@ -158,23 +157,19 @@ class Together:
         for key in model.hypothesis.keys:
             if self.is_enough(model):
                 break
-            last = with_last(model, key)
-            for wide in self._at_next_level(last):
-                if left(self.setup, model, wide) < 1 - NEARER:
-                    model = wide
+            wide = self._at_next_level(with_last(model, key))
+            if left(self.setup, model, wide) < 1 - NEARER:
+                model = wide
         return model
 
-    def _at_next_level(self, model: FittedFrfs) -> Iterator[FittedFrfs]:
+    def _at_next_level(self, model: FittedFrfs) -> FittedFrfs:
+        """The model with a wider law for its last effect, if there is one."""
         placed = model.hypothesis.placed[-1]
         own = len(placed.effect.parameters(self.setup.context, placed.where))
-        before = model.x[: len(model.x) - own]
-        place = next((one for one in self.look.found if one.could_be(*placed.key)), None)
-
-        def told(effect: Effect, where: str) -> Sequence[tuple[Values, Float[np.ndarray, " before"]]]:
-            return [] if place is None else [(one, before) for one in self._told(effect, where, place)]
-
-        found = at_next_level(self.setup, model, SetOut([], told), self.is_enough)
-        yield from sorted(found, key=lambda one: over_noise(self.setup, one))[:1]
+        place = next(one for one in self.look.found if one.could_be(*placed.key))
+        set_out = self._set_out(place, model.x[: len(model.x) - own])
+        found = at_next_level(self.setup, model, set_out, self.is_enough)
+        return min(found, key=lambda one: over_noise(self.setup, one), default=model)
 
     def _others(
         self, model: FittedFrfs, key: Key, options: Sequence[Option], place: Found
@@ -183,11 +178,6 @@ class Together:
         keys = [one.placed.key for one in options if one.placed.key not in model.hypothesis.keys]
         if not keys:
             return []
-        last = with_last(model, key)
         less = self.without(model, key)
-        x = last.x[: len(less.x)]
-
-        def told(effect: Effect, where: str) -> Sequence[tuple[Values, Float[np.ndarray, " before"]]]:
-            return [(one, x) for one in self._told(effect, where, place)]
-
-        return from_each_start(self.setup, less, SetOut([x], told), keys, self.is_enough, FOLLOWED)
+        x = with_last(model, key).x[: len(less.x)]
+        return from_each_start(self.setup, less, self._set_out(place, x, x), keys, self.is_enough, FOLLOWED)

@@ -44,19 +44,14 @@ def random_task(rng, n, systems, lines, rows, kind="diagonal"):
 
 
 SIZES = (1, 3, 5, 1), (2, 70, 3, 2), (4, 2, 33, 2), (9, 3, 40, 2)
-LATER = [
-    (n, kind)
-    for n in (1, 2, 4)
-    for kind in ("diagonal", "symmetric", "addition")
-    if (n, kind) != (2, "addition")
-]
-"""For `make slow`: each size and kind is compiled by itself, some seconds for each."""
+NOW = (2, "addition"), (9, "diagonal"), (9, "symmetric"), (9, "addition")
+"""The others are for `make slow`: each size and kind is compiled by itself, some seconds for each."""
 
 
 @pytest.mark.parametrize(
     ("n", "systems", "lines", "rows", "kind"),
     [
-        pytest.param(*size, kind, marks=[pytest.mark.slow] if (size[0], kind) in LATER else [])
+        pytest.param(*size, kind, marks=[] if (size[0], kind) in NOW else [pytest.mark.slow])
         for size in SIZES
         for kind in ("diagonal", "symmetric", "addition")
     ],
