@@ -80,13 +80,13 @@ def test_stopped_on_the_way_it_goes_on(program, cli, tmp_path, number):
     """Processes that compute end with the command, and the next call ends it."""
     out = tmp_path / "s.zarr"
     words = [*ATLAS, "--sample", "60000", "--quantity", "stiffness", "--out", str(out), "--workers", "1"]
-    child = subprocess.Popen([program, *words], stderr=subprocess.PIPE)
-    for _ in range(600):
-        if any(out.glob("stiffness/c/*/*")):
-            break
-        time.sleep(0.1)
-    child.send_signal(number)
-    assert child.wait(30) in (143, -signal.SIGKILL)
+    with subprocess.Popen([program, *words], stderr=subprocess.PIPE) as child:
+        for _ in range(600):
+            if any(out.glob("stiffness/c/*/*")):
+                break
+            time.sleep(0.1)
+        child.send_signal(number)
+        assert child.wait(30) in (143, -signal.SIGKILL)
     standing = len(list(out.glob("stiffness/c/*/0")))
     told = cli("lookup", out, "--json").json()
     assert 0 < standing <= told["standing"] + 1

@@ -85,7 +85,7 @@ def drawn(context, placed, seed):
     for k, parameter in enumerate(hypothesis.space):  # what no file holds
         coupling = parameter.name.startswith("joint_coupling@")
         if (coupling and parameter.name.endswith((".inertia", "_time"))) or parameter.name.endswith(
-            ("relaxing", ".integral", ".lag", ".wheel")
+            ("relaxing", ".integral", ".lag", ".wheel", "sway")
         ):
             x[k] = low[k]
         if parameter.name.endswith(".belt"):
@@ -211,14 +211,13 @@ def test_each_effect(name, robot, context_of, diagnosed, tmp_path, monkeypatch):
         extension, loaded = written(diagnosed, hypothesis, x, folder)
         # 1e-12 of the arm's mass between two joints, 1e-8 in a base without any; parts of a link whose
         # inertia is less than that of a thin rod have none that a body could have, as a note says; a link
-        # that is seen between its ends twists and shears at each cut by itself, evenly in the model, and
-        # one that sways bends to either side; a loop hardly integrates or lags at its bounds, nor does a belt
-        # give
+        # that is seen between its ends twists and shears at each cut by itself, evenly in the model;
+        # a loop hardly integrates or lags at its bounds, nor does a belt give or a link sway
         noted = any("nearest that a body can have" in note for note in extension.notes)
         evenly = any(parameter.name.endswith((".shear", ".lag")) for parameter in hypothesis.space)
         exact = 1e-5 if any(".mesh_" in parameter.name for parameter in hypothesis.space) else 1e-6
         roughly = any(parameter.name.endswith((".sway", ".belt")) for parameter in hypothesis.space)
-        allowed = (4e-3 if evenly else 1e-3) if noted or roughly else (1e-4 if evenly else exact)
+        allowed = (6e-3 if evenly else 1e-3) if noted or roughly else (1e-4 if evenly else exact)
         assert agreement(loaded, hypothesis, x) < allowed, (place, extension.notes)
         assert loaded.is_planar == context.robot.is_planar
         plain, _ = drawn(context, [], seed=number)

@@ -144,6 +144,24 @@ def test_where_the_mass_of_a_link_is_and_where_it_gives_are_found_from_an_even_o
     assert left < 0.5 * over_noise(setup, fitted)
 
 
+def test_a_link_that_sways_has_no_motion_without_inertia():
+    """Sway turns hinges that bend as well: a coordinate of its own would leave one."""
+    robot = flexmodal.load("six_link")
+    made = simulate(
+        robot, postures=2, points=4, references=2, trials=2, seed=2, record_length=1.0, band=(2.0, 300.0)
+    )
+    observed = observe(made.campaign)
+    root = Hypothesis(Context.of(robot, observed), robot_space(robot))
+    wide = root.and_also(Placed(LINK.next_level.effect, "link_1"))
+    x = wide.start(wide.placed[-1], {"shift": 0.5, "sway": 0.1}, np.zeros(len(root.space)))
+    seen, struck = (list(map(tuple, rows[:1].tolist())) for rows in (observed.response, observed.reference))
+    for structure in wide.structures(x, seen, struck, slopes=False):
+        scale = np.sqrt(np.diag(structure.mass))
+        assert np.linalg.eigvalsh(structure.mass / np.outer(scale, scale)).min() > 1e-12
+    ended, whole = predict(wide, x, observed), predict(wide, x, replace(observed, endless=True))
+    assert 0 < np.abs(ended - whole).max() < np.abs(whole).max()
+
+
 def test_each_effect_gets_its_wider_law_from_where_the_joint_fit_is(fits, monkeypatch):
     """The foundation came first, and is tried as the last; what has no wider law gets none."""
     setup, _, narrow = fits

@@ -38,14 +38,12 @@ from flexmodal.diagnosis.effects.link_motion import (
     add_hinges,
     bending,
     cut_body,
-    names_of,
     sections,
-    sway,
 )
+from flexmodal.diagnosis.effects.link_springs import CRACK, CRACK_AT, act, planes, shares_of, sideways
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, bodies_of, crossed
-from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.robot_terms import scaled
 
 SHORTEST = 0.05
@@ -54,8 +52,6 @@ SHEAR = 0.03
 """Φ, about: of a thin tube sixteen times as long as wide, κ = ½."""
 BENDS = ("position", "spread")
 """What two hinges sit by."""
-CRACK, CRACK_AT = "crack", "crack_at"
-"""Compliance of a crack in the first plane, over that of the link there without it, and its place."""
 HARDLY = 1e-3
 """s of a link that does not sway, about."""
 SEEN = 0.01
@@ -111,65 +107,6 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     return found + [{**one, **more} for one in found[1:4] for more in ends]
 
 
-def _planes(placement: Placement) -> list[tuple[float, list[tuple[int, float]]]]:
-    """Stiffness of each principal plane over the first's, and its shares in those of the coordinates."""
-    if placement.context.normal is not None:
-        return [(1.0, [(0, 1.0)])]
-    cosine, sine = np.cos(placement["angle"]), np.sin(placement["angle"])
-    return [(1.0, [(0, cosine), (1, sine)]), (placement["ratio"], [(0, -sine), (1, cosine)])]
-
-
-def _act(assembly: Assembly, placement: Placement) -> None:
-    context, where = placement.context, placement.where
-    time, planes = placement["damping"] / placement["stiffness"], _planes(placement)
-    names = names_of(context, where, len(bending(placement)[0]))
-    found: list[tuple[list[tuple[str, float]], float]] = []
-    for number, (ratio, parts) in enumerate(planes):
-        springs = ratio * placement["stiffness"] / _shares(placement, number)
-        for hinge, spring in enumerate(springs.tolist()):
-            own = names[len(planes) * hinge :]
-            found.append(([(own[plane], share) for plane, share in parts], spring))
-    for section in sections(context, where, bending(placement)[0]):
-        twist = [([(name, 1.0)], placement["twist_ratio"] * placement["stiffness"]) for name in section.twist]
-        slides = [
-            (
-                [(section.shears[plane], share) for plane, share in parts],
-                ratio * _sideways(placement, "shear"),
-            )
-            for ratio, parts in (planes if section.shears else ())
-        ]
-        found += [(pulled, spring / section.share) for pulled, spring in (*twist, *slides)]
-    for section in sway(placement, bending(placement)[0]):
-        for number, (_, parts) in enumerate(planes):
-            swaying = [(section.sways[plane], share) for plane, share in parts]
-            found.append((swaying, _sideways(placement, SWAYS[number])))
-    rows = np.zeros((len(found), len(assembly.coordinates)))
-    for number, (pulled, _) in enumerate(found):
-        for name, share in pulled:
-            rows[number, assembly.number(name)] = share
-    stiffness = np.array([each for _, each in found])
-    assembly.add_together("stiffness", rows, stiffness)
-    assembly.add_together("damping", rows, time * stiffness)
-
-
-def _shares(placement: Placement, plane: int) -> Float[np.ndarray, " hinge"]:
-    """Of a plane's compliance, of each hinge; by the wider law with a crack in the first plane.
-
-    That is shared by the two hinges beside it, so that it sits there on average.
-    """
-    places, shares = bending(placement)
-    if plane or CRACK not in placement.values:
-        return shares
-    near = np.array([np.interp(placement[CRACK_AT], places, each) for each in np.eye(len(places))])
-    return np.asarray((shares + placement[CRACK] * near) / (1 + placement[CRACK]))
-
-
-def _sideways(placement: Placement, name: str) -> float:
-    """Stiffness of the whole link against a shift of its end, in shear or as it sways [N/m]."""
-    length, _ = along(placement.context, placement.where)
-    return 12 * placement["stiffness"] / (placement[name] * length**2)
-
-
 def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hinge"]) -> list[_New]:
     """Joints of a cut for bending, and for what of shear and twist sits there.
 
@@ -187,18 +124,18 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
         for place, share in section.cuts
         if place == places[hinge]
     ]
-    sways = hinge == len(places) // 2 and bool(sway(placement, places))
-    for plane, (ratio, parts) in enumerate(_planes(placement)):
+    sways = hinge == len(places) // 2 and SWAYS[0] in placement.values
+    for plane, (ratio, parts) in enumerate(planes(placement)):
         side = np.sum([share * across[number] for number, share in parts], axis=0)
         end = f"{hinge + 1}" + (f"_{plane + 1}" if len(across) > 1 else "")
-        bend = ratio * stiffness / _shares(placement, plane)[hinge]
+        bend = ratio * stiffness / shares_of(placement, plane)[hinge]
         found.append(_New(f"{link}_bend_{end}", crossed(axis, side), bend))
         for section, share in there:
             if section.shears:
-                sliding = ratio * _sideways(placement, "shear") / share
+                sliding = ratio * sideways(placement, "shear") / share
                 found.append(_New(f"{link}_shear_{end}", side, sliding, slides=True))
         if sways:
-            swaying = _sideways(placement, SWAYS[plane])
+            swaying = sideways(placement, SWAYS[plane])
             found.append(_New(f"{link}_sway_{plane + 1}", side, swaying, slides=True))
     for section, share in there:
         if section.twist:
@@ -287,7 +224,7 @@ NARROW = Effect(
     bodies=lambda assembly, placement, bodies, link: cut_body(
         assembly, placement, bodies, link, bending(placement)[0]
     ),
-    act=_act,
+    act=act,
     extend=_extend,
 )
 WIDE = replace(NARROW, parameters=_wider_parameters, geometry=(*BENDS, TUBE, SPREAD, SHIFT))

@@ -30,7 +30,7 @@ _Part = tuple[float, tuple[tuple[float, float], ...]]
 SHIFT = "shift"
 """Parameter of the wider law: see `hinges.shifted`."""
 SWAYS = ("sway", "second_sway")
-"""Likewise, one in each plane: far ends that shift and do not tilt, see `sway`."""
+"""Likewise, one in each plane: far ends that shift and do not tilt, see `turned_by`."""
 KEPT = 64
 """Values of means and spreads whose shares are kept, and places of hinges whose sections are."""
 
@@ -76,8 +76,6 @@ class Section:
     """Its coordinate, if it twists."""
     shears: tuple[str, ...] = ()
     """Its coordinates, one in each plane, if it shears."""
-    sways: tuple[str, ...] = ()
-    """Likewise, if it sways: how far the end of the link shifts [m]."""
 
 
 def names_of(context: Context, where: str, count: int) -> list[str]:
@@ -147,8 +145,8 @@ def _pieces(context: Context, where: str, places: Float[np.ndarray, " hinge"]) -
     return found
 
 
-def sway(placement: Placement, places: Float[np.ndarray, " hinge"]) -> tuple[Section, ...]:
-    """The link as a whole that bends to one side and back, if its law has that.
+def turned_by(placement: Placement, places: Float[np.ndarray, " hinge"]) -> Float[np.ndarray, " hinge"]:
+    """How far each hinge turns as the link sways, bent to one side and back, over the shift of its end [1/m].
 
     As each of two plates does that only their ends tie, and a column of a frame: where ξ is the part of the
     length its end stays upright and it is shifted by 3 ξ² − 2 ξ³ of that, so that hinges of weights w turn by
@@ -158,16 +156,11 @@ def sway(placement: Placement, places: Float[np.ndarray, " hinge"]) -> tuple[Sec
         placement: of the effect; its place is the link.
         places: of its hinges, as parts of the length.
     """
-    context, where = placement.context, placement.where
-    if SWAYS[0] not in placement.values:
-        return ()
-    known = fixed(context, where)
+    known = fixed(placement.context, placement.where)
     weights = np.full(len(places), 1 / len(places)) if known is None else known[1]
     turns = weights * (0.5 - places)
     turns -= weights * turns.sum()  # the end stays upright wherever the hinges sit
-    turns /= turns @ (1 - places)
-    names = tuple(f"{where} {name}" for name in SWAYS[: planes_of(context)])
-    return (Section(1.0, tuple(zip(places.tolist(), turns.tolist(), strict=True)), sways=names),)
+    return turns / (turns @ (1 - places)) / along(placement.context, placement.where)[0]
 
 
 def planes_of(context: Context) -> int:
@@ -176,7 +169,7 @@ def planes_of(context: Context) -> int:
 
 
 def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarray, " hinge"]) -> None:
-    """Let a link bend at these parts of its length, and in space twist; shear where that is seen, and sway.
+    """Let a link bend at these parts of its length, and in space twist; shear where that is seen.
 
     Args:
         assembly: the robot, its motions not complete yet.
@@ -186,8 +179,8 @@ def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarra
     context, where = placement.context, placement.where
     length, axis = along(context, where)
     axes, across = assembly.axes(where), sides(context, where, axis)
-    parts = (*sections(context, where, places), *sway(placement, places))
-    own = [name for part in parts for name in (*part.twist, *part.shears, *part.sways)]
+    parts = sections(context, where, places)
+    own = [name for part in parts for name in (*part.twist, *part.shears)]
     assembly.add_coordinates([*names_of(context, where, len(places)), *own])
 
     def cut(name: str, place: float, way: np.ndarray, *, turns: bool) -> None:
@@ -205,8 +198,6 @@ def add_hinges(assembly: Assembly, placement: Placement, places: Float[np.ndarra
                 cut(name, place, share * axis, turns=True)
             for name, side in zip(part.shears, across, strict=False):
                 cut(name, place, share * side, turns=False)
-            for name, side in zip(part.sways, across, strict=False):
-                cut(name, place, share / length * crossed(axis, side), turns=True)
 
 
 def cut_body(

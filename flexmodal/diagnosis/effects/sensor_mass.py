@@ -2,7 +2,8 @@
 
 It sits off the surface, and a part of its cable is taped to the link. At the next level it sits on a mount
 that gives, equally each way, while what is measured moves with the surface, or a part of it does, as of a
-sensor that a hand presses on; and its cable hangs in the air and holds it, as a spring and a damper to the
+sensor that a hand presses on, or as of one whose cable stands out along the link and whips, which gives
+across that alone; and its cable hangs in the air and holds it, as a spring and a damper to the
 surroundings, or is laid along the arm down to the base, a line of mass on each link. ISO 5348 (mounting of
 accelerometers); McConnell and Varoto, Vibration Testing, 2nd ed., Wiley 2008, chapter 4 (cables).
 """
@@ -17,7 +18,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, signed
 from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -34,6 +35,10 @@ LEAST = 0.05
 """Length of an arm at least, for what a cable weighs a metre [m]."""
 HANDS = (12.0, 30.0)
 """Frequencies of a hand that presses a sensor on, from which fits start [Hz] (ISO 10068)."""
+WHIPS, STANDS_OUT = (0.1, 0.2, 0.4), 0.1
+"""Frequencies of a cable that whips, from which fits start, over the end of the band, and how far out [m]."""
+STIFFER = 30.0
+"""Frequency along the link over that across it of what whips."""
 COORDINATES = tuple(f"sensor mount {axis}" for axis in "xyz")
 """Of the mass against the surface."""
 
@@ -92,6 +97,8 @@ def _held_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive("cable_damping_ratio", "", 0.2, 1.0, 1e-3, 20.0),
         positive("firm", "", 1e-3, 2.0, 1e-5, 50.0),
         positive("line_mass", "kg/m", 1e-4 * mass, 2.0, 1e-7 * mass, 3 * mass),
+        positive("along_ratio", "", 1.0, 1.5, 0.2, 1e3),
+        signed("off_along", "m", 0.05, -0.4, 0.4),
     )
 
 
@@ -111,7 +118,13 @@ def _held_starts(context: Context, where: str, values: Mapping[str, float]) -> l
         for own in HANDS
         for share in (0.7, 1.5)
     ]
-    return hung + [{**values, "mount_frequency": share * high} for share in MOUNTS] + laid + pressed
+    whipping = [
+        {**values, "firm": 1.0, "mount_frequency": share * high, "along_ratio": STIFFER, "off_along": out}
+        for share in WHIPS
+        for out in (STANDS_OUT, -STANDS_OUT)
+    ]
+    mounts = [{**values, "mount_frequency": share * high} for share in MOUNTS]
+    return [*hung, *mounts, *laid, *pressed, *whipping]
 
 
 def _whole_length(context: Context) -> float:
@@ -148,19 +161,33 @@ def _held_shape(assembly: Assembly, placement: Placement) -> None:
 def _held(assembly: Assembly, placement: Placement) -> None:
     """The mass moves by its own coordinates against the surface, and is held by its cable."""
     motion, foot = carried_along(assembly, placement)
+    at_it, _ = carried_along(assembly, replace(placement, values={**placement.values, "off_along": 0.0}))
     mass, own = placement["mass"], 2 * np.pi * placement["mount_frequency"]
     hung = 2 * np.pi * placement["cable_frequency"]
     for k, name in enumerate(COORDINATES):
         row = assembly.row(name)
         moved = motion[:, k] + row
         assembly.add_inertia(moved, mass)
-        assembly.add_inertia(motion[:, k], placement["firm"] * mass)
+        assembly.add_inertia(at_it[:, k], placement["firm"] * mass)
         assembly.add_spring(row, mass * own**2)
         assembly.add_damper(row, 2 * placement["mount_damping_ratio"] * mass * own)
         assembly.add_spring(moved, mass * hung**2)
         assembly.add_damper(moved, 2 * placement["cable_damping_ratio"] * mass * hung)
         _weigh_besides(assembly, placement, motion[:, k + 3], foot[:, k])
+    stiffer, along_it = placement["along_ratio"], _along_link(assembly, placement)
+    assembly.add_spring(along_it, mass * own**2 * (stiffer**2 - 1))
+    assembly.add_damper(along_it, 2 * placement["mount_damping_ratio"] * mass * own * (stiffer - 1))
     _lay(assembly, placement)
+
+
+def _along_link(assembly: Assembly, placement: Placement) -> np.ndarray:
+    """Motion of the mass against the surface along the link that it is on."""
+    found = np.zeros((len(placement.posture), len(assembly.coordinates)))
+    for number in np.unique(placement.response[:, 0]).tolist():
+        link, here = placement.context.point(number).link, placement.response[:, 0] == number
+        _, axis = along(placement.context, link)
+        found[here] = (assembly.axes(link)[here] @ axis) @ np.array([assembly.row(n) for n in COORDINATES])
+    return found
 
 
 HELD_SENSOR = Effect(

@@ -23,11 +23,11 @@ def mounted(context: Context, point: int, values: Mapping[str, float]) -> np.nda
     Args:
         context: of the campaign.
         point: its id.
-        values: among them how far it is off the surface, across the link's axis.
+        values: among them how far it is off the surface, across the link's axis, and perhaps along it.
     """
     at = context.point(point)
     _, axis = along(context, at.link)
-    place = np.array(at.xyz)
+    place = np.array(at.xyz) + values.get("off_along", 0.0) * axis
     for name, side in zip(("off", "off_beside"), sides(context, at.link, axis), strict=False):
         place = place + values[name] * side
     return place

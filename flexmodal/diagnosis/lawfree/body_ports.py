@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations_with_replacement
 
 import numpy as np
+from jaxtyping import Complex
 
 from flexmodal.diagnosis.effects import foundation
 from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
@@ -16,13 +17,25 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.sensor_mass import EFFECT as SENSOR_MASS
 from flexmodal.diagnosis.effects.sensor_mass import carried_along
-from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, tensor, tensor_names
+from flexmodal.diagnosis.lawfree.port import (
+    STILL,
+    Patterns,
+    PortKind,
+    Wider,
+    outer,
+    tensor,
+    tensor_names,
+)
 from flexmodal.structure.assembly import Assembly
 
 ATTACHED = 0.05
 """Of the arm's mass: what a body port is measured by."""
 GEOMETRY = ("along", "beside", "above")
 """Parameters of the place of a body port."""
+ACROSS_TURNING, TURNING = "across × turning", "turning"
+"""Functions of what stands out from a sensor along the arm."""
+OFF = 0.1
+"""How far it does, for the sizes of these [m]."""
 SPREADS = 0.3
 """How far what is attached spreads, over the length of the link."""
 
@@ -144,14 +157,51 @@ def _carried_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     return Patterns((np.swapaxes(motion, -1, -2) @ motion)[None])
 
 
-CARRIED = PortKind(
+def _carried_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+    return (0.1 * ATTACHED * context.arm_mass * (2 * np.pi * frequency) ** 2)[None]
+
+
+def _by_way_names(context: Context, where: str) -> tuple[str, ...]:
+    return (*tensor_names(GEOMETRY if context.normal is None else GEOMETRY[:2]), ACROSS_TURNING, TURNING)
+
+
+def _by_way_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+    names = _by_way_names(context, where)
+    lever = np.array([{ACROSS_TURNING: OFF, TURNING: OFF**2}.get(name, 1.0) for name in names])
+    return lever[:, None] * _carried_sizes(context, where, frequency)
+
+
+def _by_way_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    """What moves with the sensor, by the axes of the link that it is on; round about that, as it turns."""
+    context, count = placement.context, len(placement.response)
+    motion = carried_along(assembly, placement)[0]
+    moved, turned = np.zeros((2, 3, count, motion.shape[-1]))
+    for number in np.unique(placement.response[:, 0]).tolist():
+        link, here = context.point(number).link, placement.response[:, 0] == number
+        axes, (axis, *across) = assembly.axes(link)[here], _ways(context, link)
+        for k, way in enumerate((axis, *across)):
+            moved[k, here] = np.einsum("...i,...ij->...j", axes @ way, motion[here, :3])
+            # what stands out along the axis moves along this way, as the sensor turns
+            turned[k, here] = np.einsum("...i,...ij->...j", axes @ np.cross(axis, way), motion[here, 3:])
+    ways = 3 if context.normal is None else 2
+    across_turning = sum(outer(moved[k], turned[k].copy(), count) for k in range(1, ways))
+    turning = sum(outer(turned[k], turned[k], count) for k in range(1, ways))
+    return Patterns(np.concatenate([tensor(list(moved[:ways]), count), [across_turning, turning]]))
+
+
+def _by_way(
+    context: Context, values: Mapping[str, float], functions: Complex[np.ndarray, "function line"]
+) -> Complex[np.ndarray, "more line"]:
+    """The same along every axis, and nothing besides."""
+    return np.stack([functions[0] * (name in GEOMETRY) for name in _by_way_names(context, "")])
+
+
+CARRIED_BY_WAY = PortKind(
     name="carried",
     says="what moves from point to point with the sensor",
     places=lambda context: ("sensor",) if len(context.sensors) > 1 else (),
-    functions=lambda context, where: ("force",),
-    sizes=lambda context, where, frequency: (
-        0.1 * ATTACHED * context.arm_mass * (2 * np.pi * frequency) ** 2
-    )[None],
+    functions=_by_way_names,
+    sizes=_by_way_sizes,
     unit="N/m",
     shape=replace(
         STILL,
@@ -160,5 +210,13 @@ CARRIED = PortKind(
             one for one in SENSOR_MASS.parameters(context, where) if one.name.startswith("off")
         ),
     ),
+    patterns=_by_way_patterns,
+)
+"""What differs along the arm and across it, as a cable that leaves the sensor does, or a bracket."""
+CARRIED = replace(
+    CARRIED_BY_WAY,
+    functions=lambda context, where: ("force",),
+    sizes=_carried_sizes,
     patterns=_carried_patterns,
+    wider=Wider(CARRIED_BY_WAY, _by_way),
 )

@@ -83,7 +83,7 @@ class PortKind:
 
 @dataclass(frozen=True, eq=False)
 class Wider:
-    """A kind of port that can do whatever another can, and more; without parameters of its own."""
+    """A kind of port that can do whatever another can, and more, with the same names for its geometry."""
 
     kind: PortKind
     begin: Callable[

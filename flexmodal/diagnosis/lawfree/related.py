@@ -25,7 +25,9 @@ def widened(one: Sighting, wider: Wider, context: Context) -> tuple[Port, Start]
     found = [wider.begin(context, values, each[own] * model.size[own]) for each in state.z]
     size = wider.kind.sizes(context, port.where, model.observations.axis.frequency[model.lines])
     z = np.concatenate([state.z[:, : own.start], np.array(found) / size], axis=1)
-    return port, (state.x[: len(state.x) - len(model.geometry[-1])], z)
+    about = wider.kind.motions.parameters(context, port.where)
+    own_geometry = [one.coordinate(values[one.name]) if one.name in values else 0.0 for one in about]
+    return port, (np.concatenate([state.x[: len(state.x) - len(model.geometry[-1])], own_geometry]), z)
 
 
 def parts(one: Sighting, context: Context) -> Iterator[tuple[Port, Start]]:
