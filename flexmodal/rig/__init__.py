@@ -5,6 +5,7 @@ from flexmodal.rig.believed import ParameterError as ParameterError
 from flexmodal.rig.effects import EFFECTS as EFFECTS
 from flexmodal.rig.forms import BLIND as BLIND
 from flexmodal.rig.forms import FORMS as FORMS
+from flexmodal.rig.forms import FOURTH as FOURTH
 from flexmodal.rig.forms import FURTHER as FURTHER
 from flexmodal.rig.forms import LATER as LATER
 from flexmodal.rig.forms import LOOKED_AT as LOOKED_AT

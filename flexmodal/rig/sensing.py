@@ -33,6 +33,8 @@ class Sensor:
     sagging: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
     """How it stands out of its link, in the frame of the link, times the turn that its weight gives it where
     that is level [rad]."""
+    resets: tuple[tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3 3"]], ...] = ()
+    """Of each posture the axes of its link, and a rotation of the sensor on it, in these axes."""
     offset: Float[np.ndarray, "3"] = field(default_factory=lambda: np.zeros(3))
     """From the marked point to where it truly measures, in the frame of the link [m]."""
     mass: float = 0.0
@@ -73,7 +75,14 @@ class Sensor:
         if self.following is not None:
             first, part = self.following
             nominal = part_of_turn(axes @ first.T, part) @ nominal
-        return self.leaning @ self._sagged(axes) @ axes @ self.turned @ axes.T @ nominal
+        set_on = self._reset(axes) @ self.turned
+        return self.leaning @ self._sagged(axes) @ axes @ set_on @ axes.T @ nominal
+
+    def _reset(self, axes: np.ndarray) -> np.ndarray:
+        """Rotation of the posture in which its link stands most nearly like this."""
+        if not self.resets:
+            return np.eye(3)
+        return max(self.resets, key=lambda one: float(np.sum(one[0] * axes)))[1]
 
     def _sagged(self, axes: np.ndarray) -> np.ndarray:
         """Rotation in the world by the vector `sagging` × down."""

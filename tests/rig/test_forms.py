@@ -14,6 +14,7 @@ from flexmodal.rig import (
     BLIND,
     EFFECTS,
     FORMS,
+    FOURTH,
     FURTHER,
     LATER,
     LOOKED_AT,
@@ -72,7 +73,7 @@ def drawn(stand, key: str, seed: int = 1):
 
 TABLES = {
     "looked at": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND,
-    "further": FURTHER, "third": THIRD,
+    "further": FURTHER, "third": THIRD, "fourth": FOURTH,
 }  # fmt: skip
 
 

@@ -1,7 +1,8 @@
 """Every effect in several physical forms, and which of them may be looked at when a diagnosis is tuned.
 
 `FORMS[name]["own"]` is the effect as the rig has always had it. Forms of one effect share its name, and
-nothing of their laws. Those `SEALED`, `UNSEEN`, `LATER`, `BLIND`, `FURTHER` and `THIRD` are for exams alone.
+nothing of their laws. Those `SEALED`, `UNSEEN`, `LATER`, `BLIND`, `FURTHER`, `THIRD` and `FOURTH` are for
+exams alone.
 """
 
 from __future__ import annotations
@@ -15,6 +16,10 @@ from flexmodal.rig.forms import (
     base_pedestal,
     bearing_flexibility,
     coulomb_friction,
+    fourth_bodies,
+    fourth_drives,
+    fourth_joints,
+    fourth_sensors,
     further_bodies,
     further_drives,
     further_joints,
@@ -44,6 +49,7 @@ for _room in (
     sensor_alignment, bearing_flexibility, base_carriage, base_pedestal, base_gantry,
     link_plates, joint_remote, further_bodies, further_drives, further_joints,
     further_sensors, third_bodies, third_drives, third_joints, third_sensors,
+    fourth_bodies, fourth_drives, fourth_joints, fourth_sensors,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect
@@ -172,6 +178,24 @@ THIRD: dict[str, tuple[str, ...]] = {
     "bearing_flexibility": ("load_zone",),
 }
 """Likewise, by a third such author."""
+
+FOURTH: dict[str, tuple[str, ...]] = {
+    "link_flexibility": ("squeezed",),
+    "base_flexibility": ("wheels",),
+    "servo_compliance": ("two_motors",),
+    "structural_damping": ("lopsided",),
+    "coulomb_friction": ("clamped",),
+    "nonlinear_stiffness": ("gaping",),
+    "joint_coupling": ("balancer",),
+    "added_mass": ("slung",),
+    "local_absorber": ("leaf",),
+    "sensor_mass": ("converter",),
+    "sensor_gain": ("adapter",),
+    "time_delay": ("long_line",),
+    "sensor_misalignment": ("reset",),
+    "bearing_flexibility": ("slotted",),
+}
+"""Likewise, by a fourth such author."""
 
 
 def find(name: str, form: str = "own") -> Effect:
