@@ -102,6 +102,7 @@ exam: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms blind
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms further
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms third
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms fourth
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --engine mujoco
 
 arithmetic: .venv/tested

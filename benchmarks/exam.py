@@ -1,14 +1,14 @@
 """The sealed exam of the diagnosis: simulated campaigns with effects hidden in them.
 
     python benchmarks/exam.py [--engine rig|mujoco]
-        [--forms own|looked|sealed|unseen|later|blind|further|third] [--seed N] [--folder DIR] [--postures N]
-        [--workers N] [--most N] [--scheduler ADDRESS]
+        [--forms own|looked|sealed|unseen|later|blind|further|third|fourth] [--seed N] [--folder DIR]
+        [--postures N] [--workers N] [--most N] [--scheduler ADDRESS]
 
 Goes on where it was stopped; on this machine's cores, or on the workers of a Dask scheduler that see the same
 folders. The candidate is a process of its own that is given the campaign's folder; what
 is hidden lies in another. Tuned on other seeds; the published exams are those of `PUBLISHED`. Forms that are
-`sealed` are for this exam alone; `unseen`, `later`, `blind`, `further` and `third` ones were written
-after the diagnosis.
+`sealed` are for this exam alone; `unseen`, `later`, `blind`, `further`, `third` and `fourth` ones were
+written after the diagnosis.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from spreading import add_options, pieces
 PUBLISHED = {
     "rig": 20261128, "mujoco": 20270102, "looked": 20261128, "sealed": 20270142, "unseen": 20270201,
     "later": 20270301, "blind": 20270402, "further": 20270501, "third": 20270601,
+    "fourth": 20270701,
 }  # fmt: skip
 """Seeds of the tables in docs/tables."""
 

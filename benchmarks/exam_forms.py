@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from exam_question import ARM, NAMED, OUTSIDE, ROBOTS, WHICH, Question
 
-from flexmodal.rig import BLIND, FURTHER, LATER, LOOKED_AT, SEALED, THIRD, UNSEEN
+from flexmodal.rig import BLIND, FOURTH, FURTHER, LATER, LOOKED_AT, SEALED, THIRD, UNSEEN
 
 ON_ARMS = 2
 """Campaigns of each form on drawn arms, beside one on a shipped robot."""
@@ -23,7 +23,7 @@ ONLY_SPATIAL = {"link_flexibility:twisting"}
 """Forms that a chain in a plane has no place for."""
 TABLES = {
     "looked": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND,
-    "further": FURTHER, "third": THIRD,
+    "further": FURTHER, "third": THIRD, "fourth": FOURTH,
 }  # fmt: skip
 
 

@@ -27,10 +27,10 @@ OUTSIDE = tuple(name for name, effect in EFFECTS.items() if not effect.catalogue
 POSTURES, POINTS = 5, 5
 ENGINES = ("rig", "mujoco")
 """Who integrates the motion: the virtual rig, or MuJoCo (see `mujoco_campaign`)."""
-WHICH = ("own", "looked", "sealed", "unseen", "later", "blind", "further", "third")
+WHICH = ("own", "looked", "sealed", "unseen", "later", "blind", "further", "third", "fourth")
 """Physical forms that are hidden: the rig's own, those looked at while tuning, those for the exam alone, and
 those that were written once the diagnosis was done, before and after it had met the first of these,
-and by three authors who did not know how it works."""
+and by four authors who did not know how it works."""
 ARM = "arm"
 """Instead of the name of a robot: one drawn at random."""
 MASS_ERRORS = (0.02, 0.2)

@@ -17,7 +17,7 @@ from flexmodal.files import whole_file
 FILES = {
     "rig": "exam", "mujoco": "exam_mujoco", "looked": "exam_looked", "sealed": "exam_sealed",
     "unseen": "exam_unseen", "later": "exam_later", "blind": "exam_blind", "further": "exam_further",
-    "third": "exam_third",
+    "third": "exam_third", "fourth": "exam_fourth",
 }  # fmt: skip
 PHYSICS = {
     "rig": "The virtual rig on",
@@ -35,6 +35,8 @@ PHYSICS = {
     "works, on random arms and",
     "third": "The virtual rig, effects in forms by a third author who did not know how the diagnosis works, "
     "on random arms and",
+    "fourth": "The virtual rig, effects in forms by a fourth author who did not know how the diagnosis "
+    "works, on random arms and",
 }
 TELLS = 0.1
 """Height with all else re-tuned, over the noise of one record, below which a campaign does not tell of an

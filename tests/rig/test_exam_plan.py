@@ -12,7 +12,7 @@ import pytest
 
 import flexmodal
 from flexmodal.campaign import read_campaign
-from flexmodal.rig import BLIND, FURTHER, LATER, LOOKED_AT, SEALED, THIRD, UNSEEN
+from flexmodal.rig import BLIND, FOURTH, FURTHER, LATER, LOOKED_AT, SEALED, THIRD, UNSEEN
 from flexmodal.structure.arm import plane_normal
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
@@ -48,6 +48,7 @@ def test_the_exam_of_own_forms_is_the_one_that_was_published():
         ("blind", BLIND, LATER),
         ("further", FURTHER, BLIND),
         ("third", THIRD, FURTHER),
+        ("fourth", FOURTH, THIRD),
     ],
 )
 def test_an_exam_of_forms_asks_each_of_its_own_alike(which, table, others):
