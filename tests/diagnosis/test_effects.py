@@ -688,6 +688,28 @@ def test_a_sensor_that_a_hand_presses_on_is_that_of_the_rig(bench):
 
 
 @pytest.mark.parametrize("arm", ["bench", "spatial"])
+def test_a_cable_that_whips_in_one_mode_is_that_of_the_rig(request, arm):
+    """Along the link all of it goes along with the sensor; the rig's second mode lies above the band."""
+    context, observed, stand = request.getfixturevalue(arm)
+    own, mass, length = 0.7 * context.band[1], 3.0, 0.3
+    part, high = 0.6131, 0.7265  # of the first mode of a clamped beam
+    values = {
+        "mass": part * mass, "firm": (1.0 - part + 0.5) / part, "off": 0.0, "gyration": 1e-4, "cable": 1e-4,
+        "mount_frequency": own, "mount_damping_ratio": 0.04, "cable_frequency": 1e-3, "line_mass": 1e-5,
+        "along_ratio": 300.0, "off_along": high * length,
+    }  # fmt: skip
+    found = ours(context, observed, "sensor_mass" + NEXT, "sensor", values)
+    beam = {"cable_mass": mass, "length": length, "frequency": own, "damping_ratio": 0.04}
+    other = carried_by_the_rig(observed, stand, "whipping", {"mass": 0.5 * mass, **beam})
+    apart = np.abs(np.log(np.abs(found / other)))
+    alike = {**values, "along_ratio": 1.0, "off_along": 0.0}
+    plain = ours(context, observed, "sensor_mass" + NEXT, "sensor", alike)
+    before = np.abs(np.log(np.abs(plain / other)))
+    assert np.median(before) > 0.02
+    assert np.median(apart) < 0.1 * np.median(before)
+
+
+@pytest.mark.parametrize("arm", ["bench", "spatial"])
 def test_a_cable_that_is_laid_along_the_arm_is_that_of_the_rig(request, arm):
     """A thin line of mass on each link, from its frame to where the cable leaves it."""
     context, observed, stand = request.getfixturevalue(arm)

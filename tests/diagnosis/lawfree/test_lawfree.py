@@ -26,7 +26,7 @@ from flexmodal.diagnosis.lawfree.ported_fit import profiled
 from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.diagnosis.lawfree.pursuit import MOST, alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, SENSOR
-from flexmodal.diagnosis.lawfree.related import parts
+from flexmodal.diagnosis.lawfree.related import parts, widened
 from flexmodal.diagnosis.lawfree.screening import ALIKE
 from flexmodal.diagnosis.lawfree.sighting import Sighting, carried_over, noise_of
 from flexmodal.diagnosis.placed import Placed
@@ -151,6 +151,33 @@ def test_a_wider_foundation_begins_where_the_narrower_one_is(request, root, obse
     after = AtParameters(wide, x[: len(wide.space)]).residual((found / wide.size)[None])
     np.testing.assert_allclose(after, before, rtol=1e-7, atol=1e-9)
     assert np.abs(before).max() > 0.05
+
+
+@pytest.mark.parametrize("arm", ["planar", "in space"])
+def test_what_differs_by_direction_at_a_sensor_begins_where_it_is_alike_each_way(
+    request, root, observed, arm
+):
+    """Off the surface by as much; and how the wider one acts along the link is another matter."""
+    if arm == "in space":
+        founded = request.getfixturevalue("founded")
+        root, observed = founded.root, founded.observations
+    narrow = model_of(root, observed, CARRIED, "sensor")
+    x, z = somewhere(narrow)
+    wider, context = CARRIED.wider, narrow.root.context
+    one = Mock(
+        spec=Sighting, port=narrow.ports[-1], profile=Mock(spec=Profile, model=narrow),
+        state=Mock(spec=State, x=x, z=z),
+    )  # fmt: skip
+    port, (wide_x, wide_z) = widened(one, wider, context)
+    wide = PortedModel.of([port], narrow.root, narrow.observations, narrow.lines)
+    assert len(port.names) == (8 if arm == "in space" else 5)
+    before = AtParameters(narrow, x).residual(z)
+    after = AtParameters(wide, wide_x)
+    np.testing.assert_allclose(after.residual(wide_z), before, rtol=1e-7, atol=1e-9)
+    for number, name in enumerate(port.names):
+        changed = wide_z.copy()
+        changed[:, number] += 0.3
+        assert np.abs(after.residual(changed) - before).max() > 1e-4, name
 
 
 @pytest.mark.parametrize(("name", "number"), [("q1", 0), ("q3", 2)])
