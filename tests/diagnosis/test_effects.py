@@ -26,6 +26,7 @@ from flexmodal.identification.model import evaluated
 from flexmodal.rig import FORMS, simulate
 from flexmodal.rig.believed import known_robot
 from flexmodal.rig.effects.effect import Site
+from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.build import build
 from flexmodal.rig.plant.geometry import across, turn
 from flexmodal.rig.sensing import Sensor
@@ -224,6 +225,62 @@ def test_a_rod_between_two_links_is_that_of_the_rig(request, arm, where, form):
     np.testing.assert_allclose(found, other, rtol=1e-6, atol=1e-9 * np.abs(other).max())
 
 
+@pytest.mark.parametrize(("arm", "where"), [("bench", "q1+q2"), ("standing", "q2+q3")])
+def test_a_spring_that_balances_the_arm_is_that_of_the_rig(request, arm, where):
+    """Without a length of its own; in another form than its own the rig has no joints between."""
+    context, observed, stand = request.getfixturevalue(arm)
+    values = {"rod_stiffness": 2e6, "rod_damping_time": 2e-12, "rod_across": 1e-9, "rod_pull": 1.0}
+    of_rig = {"stiffness": 2e6}
+    for side, (link, _, axis) in zip(rod.SIDES, rod.links(context, where), strict=True):
+        angle, crank = {"near": (0.7, 0.25), "far": (1.9, 0.3)}[side]
+        one, other = across(axis / np.linalg.norm(axis), None)
+        place = crank * (np.cos(angle) * one + np.sin(angle) * other)
+        values |= {
+            f"{side}_{name}": place @ way for name, way in zip("xyz", rod.ways(context, link), strict=False)
+        }
+        of_rig |= {f"{side}_crank": crank, f"{side}_angle": angle}
+    found = ours(context, observed, "joint_coupling" + NEXT, where, values)
+    other = theirs(observed, stand, "joint_coupling", where, of_rig, "balancer")
+    np.testing.assert_allclose(found, other, rtol=1e-6, atol=1e-9 * np.abs(other).max())
+    slack = ours(context, observed, "joint_coupling" + NEXT, where, {**values, "rod_pull": 0.0})
+    assert np.abs(slack / other - 1).max() > 0.1
+
+
+@pytest.mark.parametrize(("arm", "where"), [("bench", "q1+q3"), ("standing", "q2+q5")])
+def test_what_a_pull_adds_are_second_derivatives_of_its_length(request, arm, where):
+    """Against differences of half the square of the length, with joints between; and of a stretched line."""
+    context, _, _ = request.getfixturevalue(arm)
+    robot, step, joints = context.robot, 1e-4, context.joints
+    cranks = {"near_x": 0.1, "near_y": -0.2, "far_x": 0.15, "far_y": 0.12}
+    cranks |= {} if context.normal is not None else {"near_z": 0.07, "far_z": -0.11}
+    placement = Placement.still(context, where, cranks)
+    assembly = Assembly(context.stacked)
+    found, along = rod.tightened(assembly, placement)[0], rod.stretch(assembly, placement)[0]
+
+    def half_square(*moved):
+        q = dict(context.postures[0].q)
+        for name, by in moved:
+            q[name] += by
+        ends = []
+        for side, (link, joint, _) in zip(rod.SIDES, rod.links(context, where), strict=True):
+            place = joint
+            for name, way in zip("xyz", rod.ways(context, link), strict=False):
+                place = place + cranks[f"{side}_{name}"] * way
+            plant = PlantAssembly(robot.at(q))
+            ends.append(plant.origin(link) + plant.orientation(link) @ place)
+        return float(np.sum((ends[1] - ends[0]) ** 2)) / 2
+
+    columns = [assembly.number(name) for name in joints]
+    for a, one in enumerate(joints):
+        for b, other in enumerate(joints):
+            moved = {
+                (i, j): half_square((one, i * step), (other, j * step)) for i in (-1, 1) for j in (-1, 1)
+            }
+            second = (moved[1, 1] - moved[1, -1] - moved[-1, 1] + moved[-1, -1]) / (4 * step**2)
+            ours_ = found[columns[a], columns[b]] + along[columns[a]] * along[columns[b]]
+            assert ours_ == pytest.approx(second, abs=1e-6)
+
+
 def test_springs_and_rods_follow_what_bears_their_names_closely():
     """Play passes for a spring that is not straight, and a hose to a hook in the world for a rod."""
     every = catalogue()
@@ -239,7 +296,8 @@ def test_a_rod_sets_out_from_the_cranks_and_the_stiffness_of_a_free_law(bench):
     geometry = rod.cranks_tried(context, where)[5]
     frequency = observed.axis.frequency[:3]
     free = FreeFunction(frequency, np.array([[2e7, 3e7 + 1e6j, 9e7]]), geometry, np.zeros(0))
-    assert effect.told(context, where, free) == ({**geometry, "rod_stiffness": 3e7},)
+    told = {**geometry, "rod_stiffness": 3e7}
+    assert effect.told(context, where, free) == (told, {**told, "rod_pull": 1.0})
     other = replace(free, geometry={})  # of a port without cranks
     assert effect.told(context, where, other) == ()
 

@@ -2,7 +2,10 @@
 
 Its ends move against each other along the line between them, so that how it ties the joints, those in between
 too, changes with the posture. What is clamped at its ends, such as a package of hoses, holds them across that
-line too, alike both ways. It has no mass, and nothing pulls at it at rest.
+line too, alike both ways. What is stretched at rest, as a spring that balances an arm, also resists being
+turned: with a tension T along its line d and Δ the motion of one end against the other, second derivatives of
+its energy by the joints gain T (∂Δ·∂Δ − ∂|d| ∂|d| + d·∂²Δ)/|d| (Géradin and Rixen, Mechanical Vibrations,
+3rd ed., Wiley 2015, on prestressed members). It has no mass.
 """
 
 from __future__ import annotations
@@ -28,6 +31,8 @@ TURNS, REACHES = 8, (0.2, 0.5)
 """Directions about a joint that a crank's end is looked for in, and how far off, over the size of a link."""
 ACROSS = 0.3
 """Stiffness across over along from which some fits start; from none it is not found."""
+BALANCES = 1.0
+"""Pull from which some fits start: that of a spring without a length of its own."""
 SHORTEST = 1e-6
 """Of the rod [m], at which its direction still is one."""
 
@@ -123,19 +128,48 @@ def stretch(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "*pos
     return _ends(assembly, placement)[0]
 
 
+def tightened(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "*posture dof dof"]:
+    """Second derivatives of half the square of a spring's length by the joints [m²], and of their stretches.
+
+    That is what a spring without a length of its own adds to the stiffness, over its own, but its part along
+    itself: of a joint i before a joint j ∂²Δ is the axis of i across the derivative by j.
+
+    Args:
+        assembly: with all coordinates.
+        placement: with the values of `cranks`.
+    """
+    along, moved, line, ends = _drawn(assembly, placement)
+    found = np.swapaxes(moved, -1, -2) @ moved - along[..., :, None] * along[..., None, :]
+    joints = [assembly.number(name) for name in placement.context.joints]
+    for sign, motion in zip((-1.0, 1.0), ends, strict=True):
+        shifts, turns = motion[..., :3, joints], motion[..., 3:, joints]
+        pulled = np.cross(line[..., None], turns, axisa=-2, axisb=-2, axisc=-2)  # d · (a × r) = (d × a) · r
+        bent = np.triu(np.swapaxes(pulled, -1, -2) @ shifts)
+        bent = bent + np.swapaxes(np.triu(bent, 1), -1, -2)
+        found[..., np.array(joints)[:, None], joints] += sign * bent
+    return np.asarray(found)
+
+
 def _ends(assembly: Assembly, placement: Placement) -> tuple[np.ndarray, np.ndarray]:
     """The far end's motion less that of the near one [m]: along the rod, and along the axes of the world."""
+    return _drawn(assembly, placement)[:2]
+
+
+def _drawn(
+    assembly: Assembly, placement: Placement
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sequence[np.ndarray]]:
+    """The same, the line from the near end to the far one [m], and the motion of either."""
     context, places, motions = placement.context, [], []
     for side, (link, joint, _) in zip(SIDES, links(context, placement.where), strict=True):
         place = joint
         for name, way in zip("xyz", ways(context, link), strict=False):
             place = place + placement[f"{side}_{name}"] * way
         places.append(assembly.origin(link) + assembly.axes(link) @ place)
-        motions.append(assembly.motion(link, place)[..., :3, :])
+        motions.append(assembly.motion(link, place))
     line = places[1] - places[0]
-    line = line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), SHORTEST)
-    moved = motions[1] - motions[0]
-    return np.asarray((line[..., None, :] @ moved)[..., 0, :]), moved
+    way = line / np.maximum(np.linalg.norm(line, axis=-1, keepdims=True), SHORTEST)
+    moved = (motions[1] - motions[0])[..., :3, :]
+    return np.asarray((way[..., None, :] @ moved)[..., 0, :]), moved, line, motions
 
 
 def springs(
@@ -159,6 +193,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive("rod_stiffness", "N/m", stiffness, 2.0, stiffness / 1e4, stiffness * 1e4),
         positive("rod_damping_time", "s", 1e-5, 2.0, 1e-12, 0.03),
         positive("rod_across", "of the stiffness along it", 1e-3, 2.5, 1e-9, 10.0),
+        signed("rod_pull", "of the stiffness along it, times its length", 0.1, -1.0, 2.0),
         *cranks(context, where),
     )
 
@@ -166,7 +201,8 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     sizes = [factor * stiffness_of(context, where) for factor in (0.3, 3.0)]
     clamped = {"rod_stiffness": stiffness_of(context, where), "rod_across": ACROSS}
-    kinds = [*({"rod_stiffness": size} for size in sizes), clamped]
+    balancing = {"rod_stiffness": stiffness_of(context, where), "rod_pull": BALANCES}
+    kinds = [*({"rod_stiffness": size} for size in sizes), clamped, balancing]
     return [{**one, **kind} for one in cranks_tried(context, where) for kind in kinds]
 
 
@@ -175,13 +211,18 @@ def _told(context: Context, where: str, free: FreeFunction) -> Sequence[Mapping[
     if not any(name.startswith(SIDES) for name in free.geometry):
         return ()
     stiffness = max(float(np.median(free.value[0].real)), 1e-3 * stiffness_of(context, where))
-    return ({**free.geometry, "rod_stiffness": stiffness},)
+    told = {**free.geometry, "rod_stiffness": stiffness}
+    return told, {**told, "rod_pull": BALANCES}
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
     for row, stiffness in springs(assembly, placement):
         assembly.add_spring(row, stiffness)
         assembly.add_damper(row, placement["rod_damping_time"] * stiffness)
+    if pulls := placement["rod_pull"] * placement["rod_stiffness"]:
+        added = tightened(assembly, placement)
+        for name in assembly.coordinates:  # half of each row, and half of each column
+            assembly.add_coupling(assembly.row(name), added[..., assembly.number(name), :], pulls / 2)
 
 
 def _extend(draft: Draft, placement: Placement) -> None:
@@ -190,6 +231,7 @@ def _extend(draft: Draft, placement: Placement) -> None:
     names = assembly.coordinates
     rows, stiffness = zip(*springs(assembly, placement), strict=True)
     added = np.einsum("s,spi,spj->ij", stiffness, rows, rows) / len(rows[0])
+    added += placement["rod_pull"] * placement["rod_stiffness"] * tightened(assembly, placement).mean(axis=0)
     for k in np.flatnonzero(np.diag(added)):
         draft.stiffen(names[k], added[k, k])
     for i, j in combinations(np.flatnonzero(np.diag(added)), 2):

@@ -47,14 +47,15 @@ class Again:
         return sorted([*again, *order[AFRESH:]], key=lambda one: one.judged)
 
     def _one(self, one: Sighting) -> Sighting:
-        """The best of a fit, of another that sets out from constants on all lines, and of a wider port.
+        """The best of a fit, of another that sets out from constants on all lines, and of wider ports.
 
         Beside other ports more may be missing than one: there patience would not be rewarded.
         """
         other = self.fits((one.port,), self.before, patient=self.before is None)
-        best = min(one, other, key=lambda each: each.judged)
-        if best.judged > NEARLY and one.port.kind.wider is not None:
-            port, start = widened(best, one.port.kind.wider, self.context)
-            more = self.fits((port,), self.before, start, patient=True)
-            best = min(best, more, key=lambda each: each.judged)
+        best = narrow = min(one, other, key=lambda each: each.judged)
+        for wider in one.port.kind.wider:
+            if best.judged > NEARLY:
+                port, start = widened(narrow, wider, self.context)
+                more = self.fits((port,), self.before, start, patient=True)
+                best = min(best, more, key=lambda each: each.judged)
         return best

@@ -22,8 +22,8 @@ PORT_OF: Mapping[str, str] = {
 }
 """The kind of port that each effect of the catalogue sits at."""
 _WIDER = {
-    "channel": "sensor", "blows": "hammer", "coupling": "joint", "rod": "coupling", "attached": "body",
-    "ground": "body",
+    "channel": "sensor", "blows": "hammer", "coupling": "joint", "rod": "coupling",
+    "balancer": "coupling", "attached": "body", "ground": "body",
 }  # fmt: skip
 """Kinds of port that can do whatever one of another kind in the same place can."""
 WIDE = {wide for wide, held in _WIDER.items() if wide not in PORT_OF.values() and held in PORT_OF.values()}

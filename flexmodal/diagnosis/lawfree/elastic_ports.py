@@ -86,7 +86,7 @@ def _spread(context: Context, values: Mapping[str, float], functions: np.ndarray
     return np.stack([about[:, i, j] for i, j in foundation.every_term(context)])
 
 
-def _base(terms: Terms, shape: Effect, wider: Wider | None = None) -> PortKind:
+def _base(terms: Terms, shape: Effect, *wider: Wider) -> PortKind:
     return PortKind(
         name="base",
         says="the foundation",
@@ -105,7 +105,7 @@ def _base(terms: Terms, shape: Effect, wider: Wider | None = None) -> PortKind:
 BASE = _base(
     foundation.terms,
     replace(base_flexibility.EFFECT, parameters=_base_parameters, geometry=BASE_AXIS, shape=_base_shape),
-    wider=Wider(
+    Wider(
         _base(foundation.every_term, replace(base_flexibility.EFFECT, parameters=lambda context, where: ())),
         _spread,
     ),

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.effects.rod import cranks, cranks_tried, pairs, stiffness_of, stretch
+from flexmodal.diagnosis.effects.rod import cranks, cranks_tried, pairs, stiffness_of, stretch, tightened
 from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, constant, outer, tensor
 from flexmodal.structure.assembly import Assembly
 
@@ -79,6 +79,17 @@ ROD = PortKind(
     geometries=cranks_tried,
     patterns=_rod_patterns,
 )
+
+
+def _balancer_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    (along,) = _rod_patterns(assembly, placement).stiffness
+    return Patterns((along + tightened(assembly, placement))[None])
+
+
+BALANCER = replace(
+    ROD, name="balancer", says="a stretched spring between two links", patterns=_balancer_patterns
+)
+"""Without a length of its own, so that it pulls as much as it is long."""
 
 
 def _damping_patterns(assembly: Assembly, placement: Placement) -> Patterns:

@@ -70,8 +70,8 @@ class PortKind:
     """Whether the function is another one in each posture and under each kind of blow."""
     informs: bool = False
     """Whether it is told how well its functions are known, for fits of laws to set out from them."""
-    wider: Wider | None = None
-    """The same with more functions, where it comes near and is not enough."""
+    wider: tuple[Wider, ...] = ()
+    """The same with more functions, where it comes near and is not enough: each is tried."""
     parts: Callable[[str], Sequence[tuple[PortKind, str, int]]] = lambda where: ()
     """Narrower ports that one in a place holds: kind, place, and which of its functions is that one's."""
 

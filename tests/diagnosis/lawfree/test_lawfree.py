@@ -11,12 +11,13 @@ from flexmodal.diagnosis.effects import Context, catalogue, rod
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import at_parameters, screening
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
-from flexmodal.diagnosis.lawfree.body_ports import ATTACHED_BODY, BODY, CARRIED, GROUND
+from flexmodal.diagnosis.lawfree.body_ports import ATTACHED_BODY, BODY, GROUND
+from flexmodal.diagnosis.lawfree.carried_ports import CARRIED
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, BEARING, LINK
 from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.geometries import placed_best
-from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, DAMPING, JOINT, ROD, TORQUE
+from flexmodal.diagnosis.lawfree.joint_ports import BALANCER, COUPLING, DAMPING, JOINT, ROD, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.metric import Metric
@@ -43,6 +44,7 @@ PLACES = [
     (DAMPING, "joints"),
     (COUPLING, "q1+q2"),
     (ROD, "q1+q3"),
+    (BALANCER, "q1+q3"),
     (BASE, "base"),
     (LINK, "link_2"),
     (BODY, "link_3"),
@@ -140,7 +142,7 @@ def test_a_wider_foundation_begins_where_the_narrower_one_is(request, root, obse
     narrow = model_of(root, observed, BASE, "base") if arm == "planar" else request.getfixturevalue("founded")
     x, z = somewhere(narrow)
     x[narrow.geometry[0]] = 0.4
-    wider, context = BASE.wider, narrow.root.context
+    (wider,), context = BASE.wider, narrow.root.context
     values = narrow.hypothesis.values_of(narrow.hypothesis.placed[-1], narrow.space.values(x))
     port = Port.at(wider.kind, "base", context)
     wide = PortedModel.of([port], narrow.root, narrow.observations, narrow.lines)
@@ -153,30 +155,29 @@ def test_a_wider_foundation_begins_where_the_narrower_one_is(request, root, obse
     assert np.abs(before).max() > 0.05
 
 
+@pytest.mark.parametrize("number", [0, 1])
 @pytest.mark.parametrize("arm", ["planar", "in space"])
-def test_what_differs_by_direction_at_a_sensor_begins_where_it_is_alike_each_way(
-    request, root, observed, arm
-):
-    """Off the surface by as much; and how the wider one acts along the link is another matter."""
+def test_what_differs_by_direction_at_a_sensor_begins_where_it_is_alike(request, root, observed, arm, number):
+    """Off the surface by as much; by the axes of the link or of the world."""
     if arm == "in space":
         founded = request.getfixturevalue("founded")
         root, observed = founded.root, founded.observations
     narrow = model_of(root, observed, CARRIED, "sensor")
     x, z = somewhere(narrow)
-    wider, context = CARRIED.wider, narrow.root.context
+    wider, context = CARRIED.wider[number], narrow.root.context
     one = Mock(
         spec=Sighting, port=narrow.ports[-1], profile=Mock(spec=Profile, model=narrow),
         state=Mock(spec=State, x=x, z=z),
     )  # fmt: skip
     port, (wide_x, wide_z) = widened(one, wider, context)
     wide = PortedModel.of([port], narrow.root, narrow.observations, narrow.lines)
-    assert len(port.names) == (8 if arm == "in space" else 5)
+    assert len(port.names) == {"planar": (5, 3), "in space": (8, 6)}[arm][number]
     before = AtParameters(narrow, x).residual(z)
     after = AtParameters(wide, wide_x)
     np.testing.assert_allclose(after.residual(wide_z), before, rtol=1e-7, atol=1e-9)
-    for number, name in enumerate(port.names):
+    for k, name in enumerate(port.names):
         changed = wide_z.copy()
-        changed[:, number] += 0.3
+        changed[:, k] += 0.3
         assert np.abs(after.residual(changed) - before).max() > 1e-4, name
 
 
