@@ -1633,6 +1633,26 @@ def test_a_resonance_may_be_taken_out_of_readings_in_which_it_is_not(standing):
     assert np.abs(np.log(np.abs(factor))).max() > 0.1
 
 
+def test_an_adapter_that_rocks_is_that_of_the_rig(standing):
+    context, observed, stand = standing
+    where, wide = context.sensors[0], "sensor_gain" + NEXT
+    here = observed.response[:, 0] == next(p.id for p in observed.campaign.points if p.name == where)
+    still = {"gain": 1.0, "exponent": 0.0, "high_pass": 1e-3, "mount_frequency": 1e5, "step": 1.0}
+    rocks = {"share": 0.4, "damping_ratio": 0.1, "resonance": 0.5 * context.band[1]}
+    biquad = {
+        "notch_depth": 0.0, "notch_beyond": rocks["share"], "notch_frequency": rocks["resonance"],
+        "notch_width": rocks["damping_ratio"],
+    }  # fmt: skip
+    plain = ours(context, observed, wide, where, {**still, "notch_depth": 0.0, "notch_beyond": 0.0})
+    found = ours(context, observed, wide, where, {**still, **biquad})
+    sensor = Sensor()
+    FORMS["sensor_gain"]["adapter"].sense({where: sensor}, Site(stand, where, rocks))
+    (told,) = sensor.filters
+    factor = told(2 * np.pi * observed.axis.frequency)
+    np.testing.assert_allclose(found[here], plain[here] * factor, rtol=1e-9)
+    assert np.abs(np.log(np.abs(factor))).max() > 0.3
+
+
 @pytest.mark.parametrize("joint", ["q1", "q4"])
 def test_a_pinion_pushes_aside_what_a_bearing_carries(spatial, joint):
     """As in the rig: the spring and damper of the joint feel its turn and the shift over the base radius."""

@@ -12,7 +12,7 @@ import flexmodal
 from flexmodal.cards import read_urdf
 from flexmodal.diagnosis.effects import Context, bearing_flexibility, catalogue
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.effects.rod import springs
+from flexmodal.diagnosis.effects.rod import springs, tightened
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.diagnosis.improved.extend import extend
@@ -182,6 +182,8 @@ def test_a_rod_is_in_the_files_as_in_the_mean_posture(robot, where, context_of, 
     for arm in context.arms:
         for row, stiffness in springs(Assembly(arm), placement):
             expected = expected + stiffness * np.outer(row, row) / len(context.arms)
+        pull = placement["rod_pull"] * placement["rod_stiffness"]
+        expected = expected + pull * tightened(Assembly(arm), placement) / len(context.arms)
     assert list(loaded.joints) == joints
     np.testing.assert_allclose(loaded.stiffness, expected, rtol=1e-6)
     assert np.count_nonzero(expected) > len(joints)

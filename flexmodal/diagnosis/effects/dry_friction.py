@@ -4,7 +4,8 @@ At the next level what sticks damps as it bends: bristles with a stiffness and a
 Wit, Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40, 1995). And there is a second sliding
 element beside the first, of other limit and stiffness: the smallest of Iwan's models of sliders that slip one
 after the other (Journal of Applied Mechanics 33, 1966). What it slips at may grow with what the joint
-carries, as that of a gear does. And what rubs may be a cylinder's seal, whose lever turns with the joint.
+carries, as that of a gear does. And what rubs may be a cylinder's seal, whose lever turns with the joint, or
+lie behind the joint's spring, as a clamp that slips: beside it the spring is softer by a part of its own.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.swing import PHASE, one_level, swing_of, typical
-from flexmodal.diagnosis.time_domain.law import Law, friction, slow_friction
+from flexmodal.diagnosis.time_domain.law import Law, friction, linear, slow_friction
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
@@ -95,6 +96,8 @@ _CARRIED = ("growing", "wound")
 _LEVER = ("lever", "lever_angle", "lever_ratio")
 """Of a cylinder that rubs: whether its lever turns with the joint, 1, or not, 0; in the middle of the
 postures the angle between its crank and where it hangs, and the crank over how far off that is."""
+_SLIPS, SLIPS = "slips", (0.25, 0.5)
+"""Part of the joint's stiffness that goes as it slips, and those from which fits start."""
 LEAST = 1e-9
 """Lever over the crank at least: at dead centre in all postures it has none."""
 _ANGLES = tuple(np.array([-5, -4, -3, -2, 1, 2, 3, 4, 5]) * np.pi / 6)
@@ -118,6 +121,7 @@ def _rub(assembly: Assembly, placement: Placement) -> None:
         later = dahl(amplitude, torque * placement[_SECOND[0]], bristles * placement[_SECOND[1]], exponent)
         stiffness, loss = stiffness + later[0], loss + later[1]
     row = _drawn(assembly, placement, arm)
+    assembly.add_spring(assembly.stretch_of(placement.where), -_lost(placement))
     assembly.add_spring(row, stiffness)
     assembly.add_damper(row, loss / omega)
     assembly.add_damper(row, levelling(amplitude * omega, *(placement[name] for name in _SLOW)))
@@ -155,6 +159,12 @@ def _carried(placement: Placement) -> tuple[float, float]:
     return growing * float(context.robot.joints[where].stiffness), wound * typical(context, where)[0]
 
 
+def _lost(placement: Placement) -> float:
+    """By how much the joint's spring is softer where it slips [N·m/rad]."""
+    stiffness = float(placement.context.robot.joints[placement.where].stiffness)
+    return placement.values.get(_SLIPS, 0.0) * stiffness
+
+
 def mean_load(amplitude: Float[np.ndarray, "*many"], wound: float) -> Float[np.ndarray, "*many"]:
     """Of |q + u₀| over the way from −A to A, so that what is lost in a turn is right.
 
@@ -188,7 +198,8 @@ def _rubbing(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
     if _SECOND[0] not in placement.values:
         return hysteretic, slow
     second = friction(row, torque * placement[_SECOND[0]], bristles * placement[_SECOND[1]], exponent)
-    return hysteretic, slow, second
+    lost = linear(assembly.stretch_of(placement.where), -_lost(placement))
+    return hysteretic, slow, second, lost
 
 
 def _friction_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -232,6 +243,7 @@ def _bristle_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed(_LEVER[0], "", 0.5, 0.0, 1.0),
         signed(_LEVER[1], "rad", 1.0, -np.pi, np.pi, centre=np.pi / 2),
         positive(_LEVER[2], "", 0.3, 0.7, 0.02, 3.0),
+        positive(_SLIPS, "of the joint's stiffness", 1e-3, 2.0, 1e-6, 0.95),
     )
 
 
@@ -247,6 +259,14 @@ def _bristle_starts(context: Context, where: str, values: Mapping[str, float]) -
     second = [(0.1, 1.0), (0.3, 0.3), (1.0, 0.3), (3.0, 0.5), (10.0, 1.0)]
     held = {**loose, _LAG: 1e-3 * slow}
     found += [{**held, **dict(zip(_SECOND, each, strict=True))} for each in second]
+    stiffness = float(context.robot.joints[where].stiffness)
+    size = stiffness * typical(context, where)[0]
+    slipping = [
+        {_SLIPS: part, "presliding_stiffness": part * stiffness, "torque": share * part * size}
+        for part in SLIPS
+        for share in (0.1, 0.3, 1.0)
+    ]
+    found += [{**held, **none, **one} for one in slipping]
     light = {**held, **none, "torque": 0.3 * values["torque"]}
     loads = [(share, wound) for share in (0.03, 0.2) for wound in (0.0, 1.0, -1.0)]
     found += [{**light, **dict(zip(_CARRIED, each, strict=True))} for each in loads]
@@ -268,7 +288,7 @@ BRISTLES = Effect(
     untestable=one_level,
     physical=lambda context, where, values: {
         name: values[name]
-        for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND, *_CARRIED, *_LEVER)
+        for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND, *_CARRIED, *_LEVER, _SLIPS)
         if name in values
     },
     sticks=True,

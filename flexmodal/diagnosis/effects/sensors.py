@@ -53,6 +53,10 @@ NOTCH = ("notch_depth", "notch_frequency", "notch_width")
 """Of a notch: the part it takes away in its middle, or adds if that is below 0, where that is, and its ζ."""
 DEEP = (0.5, -0.5)
 """Its depths from which fits start, at some frequencies in the band."""
+BEYOND = "notch_beyond"
+"""The part of what is read that is gone far above it, as of what rocks on an adapter; added if below 0."""
+ROCKS = (0.3, -0.3)
+"""Such parts from which fits start, at some frequencies in the band."""
 ORDER = "mount_order"
 """Of the mount's resonance: 1, or -1 where one was taken out of what is read that is not there."""
 TAKEN_OUT = (1.1, 2.0, 4.0)
@@ -64,7 +68,8 @@ def _gain(placement: Placement, axis: Axis) -> np.ndarray:
 
     The high pass is 1/(1 + a + p a²) with a = ω_c/s, of first order with p = 0. By the wider law a step of
     the sensitivity besides, (1 + g s/ω)/(1 + s/ω), a lead or a lag; and a notch, as of a hum filter, or peak,
-    1 − d 2ζ a/(1 + 2ζ a + a²) with a = s/ω (Horowitz and Hill, The Art of Electronics, 3rd ed., section 6.3).
+    1 − (d 2ζ a + e a²)/(1 + 2ζ a + a²) with a = s/ω (Horowitz and Hill, The Art of Electronics, 3rd ed.,
+    section 6.3), e where something between swings on its own, such as an adapter that rocks on its glue.
     The mount's resonance may have been taken out of readings in which it is not, as by an inverse filter.
     """
     gain = placement["gain"]
@@ -81,7 +86,8 @@ def _gain(placement: Placement, axis: Axis) -> np.ndarray:
         step = np.log1p(placement[STEP] * over) - np.log1p(over)
         depth, middle, width = (placement[name] for name in NOTCH)
         a = s / (2 * np.pi * middle)
-        step = step + np.log(1 - depth * 2 * width * a / (1 + 2 * width * a + a**2))
+        taken = depth * 2 * width * a + placement[BEYOND] * a**2
+        step = step + np.log(1 - taken / (1 + 2 * width * a + a**2))
     order = placement.values.get(ORDER, 1.0)
     return np.asarray(size + slope - order * resonance - passed + step, dtype=complex)
 
@@ -167,6 +173,7 @@ def _step_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed(NOTCH[0], "", 0.1, -20.0, 0.995),
         positive(NOTCH[1], "Hz", float(np.sqrt(low * high)), 1.0, low / 2, 2 * high),
         positive(NOTCH[2], "", 0.2, 1.0, 0.005, 5.0),
+        signed(BEYOND, "", 0.05, -10.0, 10.0),
         signed(ORDER, "", 0.3, -1.2, 1.2, centre=1.0),
     )
 
@@ -184,6 +191,7 @@ def _step_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     ]
     middles = np.geomspace(2 * context.band[0], context.band[1], 6).tolist()
     steps += [{NOTCH[0]: depth, NOTCH[1]: middle} for depth in DEEP for middle in middles]
+    steps += [{BEYOND: part, NOTCH[1]: middle, NOTCH[2]: 0.04} for part in ROCKS for middle in middles]
     steps += [{ORDER: -1.0, "mount_frequency": share * context.band[1]} for share in TAKEN_OUT]
     return [*by_axis, *({**one, **step} for one in (values, alone) for step in steps)]
 

@@ -1,4 +1,8 @@
-"""The best ports of a round fitted once more, from the beginning, where none comes near to nothing."""
+"""The best ports of a round fitted once more, from the beginning, where none comes near to nothing.
+
+Where so much is left that more is missing than one, only a port of one function that has wider ones is tried
+as these: that takes little.
+"""
 
 from __future__ import annotations
 
@@ -37,8 +41,11 @@ class Again:
             known: kinds and places of ports that were fitted once more before.
         """
         order = sorted(found, key=lambda one: one.judged)
-        if not order or not NEARLY < order[0].judged <= self.most:
+        if not order or order[0].judged <= NEARLY:
             return order
+        if order[0].judged > self.most:
+            wider = [self._widened(one) if len(one.port.names) == 1 else one for one in order[:AFRESH]]
+            return sorted([*wider, *order[AFRESH:]], key=lambda one: one.judged)
         again: list[Sighting] = []
         for one in order[:AFRESH]:
             least = min((better.judged for better in again), default=one.judged)
@@ -52,10 +59,14 @@ class Again:
         Beside other ports more may be missing than one: there patience would not be rewarded.
         """
         other = self.fits((one.port,), self.before, patient=self.before is None)
-        best = narrow = min(one, other, key=lambda each: each.judged)
+        return self._widened(min(one, other, key=lambda each: each.judged))
+
+    def _widened(self, one: Sighting) -> Sighting:
+        """The best of a fit and of wider ports."""
+        best = one
         for wider in one.port.kind.wider:
             if best.judged > NEARLY:
-                port, start = widened(narrow, wider, self.context)
+                port, start = widened(one, wider, self.context)
                 more = self.fits((port,), self.before, start, patient=True)
                 best = min(best, more, key=lambda each: each.judged)
         return best

@@ -82,7 +82,8 @@ ROD = PortKind(
 
 
 def _balancer_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    (along,) = _rod_patterns(assembly, placement).stiffness
+    row = stretch(assembly, placement)
+    along = outer(row, row, len(placement.posture))
     return Patterns((along + tightened(assembly, placement))[None])
 
 

@@ -53,18 +53,22 @@ def told_by(found: Found) -> str | None:
     if found.curve is None:
         return None
     if found.port == "sensor":
-        return _of_sensor(found.curve)
+        return _of_sensor(found.curve) or _by_class(found)
     if found.port not in OF_CLASS:
         return None
     if not found.classes and found.port in BODIES:
         return "local_absorber" if _is_attached(found.curve) else None
-    port = "body" if found.port in BODIES else found.port
-    able = [name for name, one in PORT_OF.items() if one == port]
-    if found.classes:
-        known = {one.name for one in found.classes}
-        able = [name for name in able if known & set(CLASSES_OF.get(name, ()))]
-    elif found.port not in WHATEVER:
+    if not found.classes and found.port not in WHATEVER:
         return None
+    return _by_class(found)
+
+
+def _by_class(found: Found) -> str | None:
+    """The only effect at such a port whose curves are of these classes; of a curve of none, the only one."""
+    port = "body" if found.port in BODIES else found.port
+    able, known = [name for name, one in PORT_OF.items() if one == port], {one.name for one in found.classes}
+    if known or found.port not in WHATEVER:
+        able = [name for name in able if known & set(CLASSES_OF.get(name, ()))]
     return able[0] if len(able) == 1 else None
 
 

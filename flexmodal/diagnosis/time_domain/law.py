@@ -95,6 +95,16 @@ def slow_friction(row: Float[np.ndarray, "*system dof"], torque: float, speed: f
     return _law(row, SLOW, torque, speed)
 
 
+def linear(row: Float[np.ndarray, "*system dof"], stiffness: float) -> Law:
+    """A spring that comes on top of the joint's, whatever the size.
+
+    Args:
+        row: elongation by the coordinates.
+        stiffness: negative for a joint that is softer [N·m/rad].
+    """
+    return _law(row, HARDENING, 0.0, 1.0, 0.0, stiffness)
+
+
 def hardening(
     row: Float[np.ndarray, "*system dof"],
     stiffness: float,

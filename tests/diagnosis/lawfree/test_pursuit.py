@@ -1,17 +1,20 @@
 """How places are put together, on ports whose misfits are given."""
 
+from dataclasses import replace
 from unittest.mock import Mock, patch
 
+import numpy as np
 import pytest
 
 from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree import afresh as afresh_module
 from flexmodal.diagnosis.lawfree.afresh import Again
 from flexmodal.diagnosis.lawfree.elastic_ports import LINK
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, JOINT
 from flexmodal.diagnosis.lawfree.kinds import TORQUE
 from flexmodal.diagnosis.lawfree.look import Field
-from flexmodal.diagnosis.lawfree.port import Port
+from flexmodal.diagnosis.lawfree.port import Port, Wider
 from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.diagnosis.lawfree.pursuit import alone, pursued
 from flexmodal.diagnosis.lawfree.reading_ports import SENSOR
@@ -220,6 +223,26 @@ def test_the_second_is_fitted_once_more_where_it_is_near_the_first_that_was(impr
         found = Again(Mock(spec=Field.sighted), Mock(spec=Context), None, 10.0).better([second, first])
     assert afresh.call_count == again
     assert [one.judged for one in found] == [improved, 5.0]
+
+
+@pytest.mark.parametrize(
+    ("functions", "left", "tried"), [(1, 12.0, True), (2, 12.0, False), (1, 9.0, False), (1, 0.9, False)]
+)
+def test_where_more_is_missing_only_a_port_of_one_function_is_widened(functions, left, tried):
+    """Up to 10 it is fitted once more as a whole; at 1 nothing is missing."""
+    wide = Port(replace(LINK, name="wide", wider=()), "q1", ("a", "b", "c"))
+    kind = replace(LINK, name="narrow", wider=(Mock(spec=Wider),))
+    narrow = Sighting((Port(kind, "q1", ("a", "b")[:functions]),), left, None, 1, PROFILE, STATE)
+    better = Sighting((wide,), 0.7, None, 3, PROFILE, STATE)
+    fits = Mock(spec=Field.sighted, return_value=better)
+    begins = Mock(return_value=(wide, (np.zeros(1), np.zeros((1, 3, 1)))))
+    with (
+        patch.object(afresh_module, "widened", begins),
+        patch.object(Again, "_one", side_effect=lambda one: one),
+    ):
+        found = Again(fits, Mock(spec=Context), None, 10.0).better([narrow])
+    assert (found == [better]) is tried
+    assert fits.called is tried
 
 
 @pytest.mark.parametrize(("rare", "found"), [(9.9, True), (10.1, False)])

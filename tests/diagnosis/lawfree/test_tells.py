@@ -58,6 +58,19 @@ def test_a_sensor_is_late_or_reads_too_much(value, name):
     assert told_by(found("sensor", value)) == name
 
 
+@pytest.mark.parametrize(
+    ("classes", "name"),
+    [
+        (("low pass and gain",), "time_delay"),
+        (("step and gain",), "sensor_gain"),
+        (("low pass and gain", "step and gain"), None),  # either will do
+        ((), None),
+    ],
+)
+def test_what_is_as_much_the_one_as_the_other_its_class_tells(classes, name):
+    assert told_by(found("sensor", -np.log(1 + 1.2e-3 * S), *classes)) == name
+
+
 BOUNCES = resonance(4.0, 30.0)
 STILL = np.zeros_like(OMEGA)
 
