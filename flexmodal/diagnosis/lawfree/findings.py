@@ -9,22 +9,34 @@ from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of, undecided
+from flexmodal.diagnosis.lawfree.directions import lies_otherwise
 from flexmodal.diagnosis.lawfree.losses import loss_of
 from flexmodal.diagnosis.lawfree.pursuit import LawFree
+from flexmodal.diagnosis.lawfree.reading_ports import CHANNEL
 from flexmodal.diagnosis.lawfree.result import Class, Curve, Findings, Found, PlaceTried
 from flexmodal.diagnosis.lawfree.sighting import Sighting
 from flexmodal.diagnosis.lawfree.tells import told_by
+from flexmodal.identification import Observations
 from flexmodal.report.words import percent
 from flexmodal.text.words import enumeration
 
+MISALIGNED = "sensor_misalignment"
+"""What a sensor is that lies otherwise than recorded."""
 OF_CLASS = 0.9
 """Part of the curve that a class has to take: 0.98 and more for a link bent at one hinge and a foundation on
 a block, 0.7 and 0.8 for a neighbour and a hose, which are no effects of the catalogue."""
 
 
-def summed_up(look: LawFree) -> Findings:
-    """Findings of a look."""
+def summed_up(look: LawFree, seen: Observations | None = None) -> Findings:
+    """Findings of a look.
+
+    Args:
+        look: what it came to.
+        seen: all that was looked at, by which a sensor may be told that lies otherwise in each posture.
+    """
     found = tuple(_found(look, number) for number in range(len(look.members)))
+    if seen is not None and look.explains and len(found) == 1 and _lies_otherwise(look, found[0], seen):
+        found = (replace(found[0], tells=MISALIGNED),)
     places = tuple(_place(one) for one in look.first.sightings)
     says, known = _words(look, found), len(look.whole.profile.model.root.space)
     return Findings(
@@ -55,6 +67,15 @@ def _found(look: LawFree, number: int) -> Found:
         port.kind.name, port.where, port.kind.says, member.without, alike, curve, classes, loss, free
     )
     return replace(found, tells=told_by(found))
+
+
+def _lies_otherwise(look: LawFree, found: Found, seen: Observations) -> bool:
+    if found.port != CHANNEL.name or not found.is_apart:
+        return False
+    root = look.whole.profile.model.root
+    return lies_otherwise(
+        seen, root, look.whole.state.x[: len(root.space)], root.context.point(found.where).id
+    )
 
 
 def _place(one: Sighting) -> PlaceTried:

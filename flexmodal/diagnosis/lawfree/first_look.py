@@ -67,7 +67,7 @@ class LooksWithoutLaw:
     @cached_property
     def one(self) -> Findings:
         """For one place."""
-        return summed_up(self._alone)
+        return summed_up(self._alone, self._seen)
 
     @cached_property
     def several(self) -> Findings:
