@@ -1470,7 +1470,7 @@ def test_what_a_function_alone_tells_is_named_where_no_law_is():
     """Nothing takes anything by its law, or two effects do though one place explains everything."""
 
     class Told(World):
-        def by_function(self, model, tried):
+        def by_function(self, model, tried, hardly=()):
             assert (MASS,) in [one.keys for one in tried]
             return Model((PLAY,)), {PLAY: 0.83}
 
@@ -1563,6 +1563,17 @@ def test_the_best_of_the_models_that_were_tried_stands_for_what_is_told(monkeypa
     odd.key = (UNSTRUCTURED, "")  # the same and a mode with no structure, which comes nearer
     monkeypatch.setattr(frf_by_look, "over_noise", lambda setup, one: {wide: 2.0, odd: 0.7}.get(one, 6.0))
     assert data.by_function(fitted(BASE), [fitted(RUBS), wide, odd, fitted(RUBS, BASE)])[0] is wide
+
+
+@pytest.mark.parametrize(("hardly", "told"), [((RUBS,), (RUBS,)), ((), ())])
+def test_what_its_law_makes_hardly_possible_has_its_name_by_its_function(monkeypatch, hardly, told):
+    """Numbers that nobody believes make up for a law that is not that of what is there."""
+    data, model = ByFunction(TORQUE, stands=(RUBS,)), fitted(RUBS)
+    monkeypatch.setattr(frf_by_look, "explains", lambda data, model: False)
+    monkeypatch.setattr(frf_by_look, "over_noise", lambda setup, one: 6.0)
+    got = data.by_function(model, [fitted(), model], hardly)
+    assert data.told == told
+    assert got == ((model, {RUBS: pytest.approx(1 / 1.2)}) if told else None)
 
 
 def test_what_has_no_fit_is_not_told(monkeypatch):

@@ -221,8 +221,9 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         assembly.add_damper(row, placement["rod_damping_time"] * stiffness)
     if pulls := placement["rod_pull"] * placement["rod_stiffness"]:
         added = tightened(assembly, placement)
-        for name in assembly.coordinates:  # half of each row, and half of each column
-            assembly.add_coupling(assembly.row(name), added[..., assembly.number(name), :], pulls / 2)
+        for number in np.flatnonzero(added.any(axis=tuple(range(added.ndim - 1)))).tolist():
+            row = assembly.row(assembly.coordinates[number])
+            assembly.add_coupling(row, added[..., number, :], pulls / 2)  # half of a row, half of a column
 
 
 def _extend(draft: Draft, placement: Placement) -> None:

@@ -14,12 +14,7 @@ from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.attached_point import MIDDLE, lever_of
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
-from flexmodal.diagnosis.lawfree.port import (
-    Patterns,
-    PortKind,
-    tensor,
-    tensor_names,
-)
+from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, tensor, tensor_names
 from flexmodal.structure.assembly import Assembly
 
 ATTACHED = 0.05

@@ -44,6 +44,8 @@ def lies_otherwise(
     if not len(seen):
         return False
     moved = np.array([predict(model, x, _along(seen, axis)) for axis in (1, 2, 3)])
+    if not np.isfinite(moved).all():
+        return False
     read = np.zeros_like(seen.value)
     for posture in np.unique(seen.posture).tolist():
         here = {

@@ -214,12 +214,15 @@ class Data(ToldData[M], ABC, Generic[M]):
         """Which of several effects are sure though they leave more than noise, and how sure."""
         return {}
 
-    def by_function(self, model: M, tried: Sequence[M]) -> tuple[M, Mapping[tuple[str, str], float]] | None:
+    def by_function(
+        self, model: M, tried: Sequence[M], hardly: Collection[tuple[str, str]] = ()
+    ) -> tuple[M, Mapping[tuple[str, str], float]] | None:
         """A model with the effects that free functions tell, and how sure each is; None where none is told.
 
         Args:
             model: with what was found by laws.
             tried: every model that was compared.
+            hardly: names and places of its effects that are hardly possible, and have no name by their laws.
         """
         return None
 

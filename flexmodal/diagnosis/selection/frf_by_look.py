@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import on_base, within
@@ -234,7 +235,7 @@ class FrfsByLook(Data[FittedFrfs]):
         return found
 
     def by_function(
-        self, model: FittedFrfs, tried: Sequence[FittedFrfs]
+        self, model: FittedFrfs, tried: Sequence[FittedFrfs], hardly: Collection[tuple[str, str]] = ()
     ) -> tuple[FittedFrfs, Mapping[tuple[str, str], float]] | None:
         """See `Data`: of places that explain everything without a law, where no law does so."""
         if self.asked is not None:
@@ -245,7 +246,8 @@ class FrfsByLook(Data[FittedFrfs]):
             return None
         look = looks.one if looks.one.explains else looks.several
         told = told_of(look)
-        named = model.hypothesis.keys if done else self.standing(model)[0]
+        standing = model.hypothesis.keys if done else self.standing(model)[0]
+        named = tuple(key for key in standing if key not in hardly)
         keys = wanted(told, named, lone=looks.one.lone is not None, explained=done) if told else ()
         if not keys:
             return None
@@ -254,10 +256,7 @@ class FrfsByLook(Data[FittedFrfs]):
             number = len(before.hypothesis.keys)
             return self._candidates.searched(before, number, lambda *one: one == key, by_force=True)
 
-        def far(one: FittedFrfs) -> float:
-            return over_noise(self.setup, one)
-
-        found = fitted_with(keys, self.root, tried, searched, far)
+        found = fitted_with(keys, self.root, tried, searched, partial(over_noise, self.setup))
         if found is None:
             return None
         places = {where for _, where in keys}
