@@ -754,13 +754,13 @@ def test_a_cable_that_whips_in_one_mode_is_that_of_the_rig(request, arm):
     values = {
         "mass": part * mass, "firm": (1.0 - part + 0.5) / part, "off": 0.0, "gyration": 1e-4, "cable": 1e-4,
         "mount_frequency": own, "mount_damping_ratio": 0.04, "cable_frequency": 1e-3, "line_mass": 1e-5,
-        "along_ratio": 300.0, "off_out": high * length,
+        "along_ratio": 300.0, "off_along": high * length,
     }  # fmt: skip
     found = ours(context, observed, "sensor_mass" + NEXT, "sensor", values)
     beam = {"cable_mass": mass, "length": length, "frequency": own, "damping_ratio": 0.04}
     other = carried_by_the_rig(observed, stand, "whipping", {"mass": 0.5 * mass, **beam})
     apart = np.abs(np.log(np.abs(found / other)))
-    alike = {**values, "along_ratio": 1.0, "off_out": 0.0}
+    alike = {**values, "along_ratio": 1.0, "off_along": 0.0}
     plain = ours(context, observed, "sensor_mass" + NEXT, "sensor", alike)
     before = np.abs(np.log(np.abs(plain / other)))
     assert np.median(before) > 0.02

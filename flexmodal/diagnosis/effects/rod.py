@@ -125,7 +125,7 @@ def stretch(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "*pos
         assembly: with all coordinates.
         placement: with the values of `cranks`.
     """
-    return _ends(assembly, placement)[0]
+    return _drawn(assembly, placement)[0]
 
 
 def tightened(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "*posture dof dof"]:
@@ -150,15 +150,13 @@ def tightened(assembly: Assembly, placement: Placement) -> Float[np.ndarray, "*p
     return np.asarray(found)
 
 
-def _ends(assembly: Assembly, placement: Placement) -> tuple[np.ndarray, np.ndarray]:
-    """The far end's motion less that of the near one [m]: along the rod, and along the axes of the world."""
-    return _drawn(assembly, placement)[:2]
-
-
 def _drawn(
     assembly: Assembly, placement: Placement
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Sequence[np.ndarray]]:
-    """The same, the line from the near end to the far one [m], and the motion of either."""
+    """The far end's motion less that of the near one [m], along the rod and along the axes of the world.
+
+    And the line from the near end to the far one [m], and the motion of either.
+    """
     context, places, motions = placement.context, [], []
     for side, (link, joint, _) in zip(SIDES, links(context, placement.where), strict=True):
         place = joint
@@ -181,7 +179,7 @@ def springs(
         assembly: with all coordinates.
         placement: with the values of the effect.
     """
-    along, moved = _ends(assembly, placement)
+    along, moved, *_ = _drawn(assembly, placement)
     stiffness = placement["rod_stiffness"]
     across = placement["rod_across"] * stiffness
     return [(along, stiffness - across), *((moved[..., axis, :], across) for axis in range(3))]

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.sensors import SIZES, axes_of, mounted, sizes
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -66,10 +66,8 @@ def _turn(assembly: Assembly, placement: Placement, point: str, way: np.ndarray)
 def _aside(placement: Placement, point: str) -> np.ndarray:
     if point != placement.where:
         return np.zeros(3)
-    context, at = placement.context, placement.context.point(placement.where)
-    _, axis = along(context, at.link)
-    off = mounted(context, at.id, placement.values) - np.array(at.xyz)
-    return off + placement["off_along"] * axis
+    at = placement.context.point(placement.where)
+    return np.asarray(mounted(placement.context, at.id, placement.values) - np.array(at.xyz))
 
 
 def _tilt_starts(context: Context, where: str) -> list[Mapping[str, float]]:

@@ -98,7 +98,7 @@ def _held_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive("firm", "", 1e-3, 2.0, 1e-5, 50.0),
         positive("line_mass", "kg/m", 1e-4 * mass, 2.0, 1e-7 * mass, 3 * mass),
         positive("along_ratio", "", 1.0, 1.5, 0.2, 1e3),
-        signed("off_out", "m", 0.05, -0.4, 0.4),
+        signed("off_along", "m", 0.05, -0.4, 0.4),
     )
 
 
@@ -119,7 +119,7 @@ def _held_starts(context: Context, where: str, values: Mapping[str, float]) -> l
         for share in (0.7, 1.5)
     ]
     whipping = [
-        {**values, "firm": 1.0, "mount_frequency": share * high, "along_ratio": STIFFER, "off_out": out}
+        {**values, "firm": 1.0, "mount_frequency": share * high, "along_ratio": STIFFER, "off_along": out}
         for share in WHIPS
         for out in (STANDS_OUT, -STANDS_OUT)
     ]
@@ -161,7 +161,7 @@ def _held_shape(assembly: Assembly, placement: Placement) -> None:
 def _held(assembly: Assembly, placement: Placement) -> None:
     """The mass moves by its own coordinates against the surface, and is held by its cable."""
     motion, foot = carried_along(assembly, placement)
-    at_it, _ = carried_along(assembly, replace(placement, values={**placement.values, "off_out": 0.0}))
+    at_it, _ = carried_along(assembly, replace(placement, values={**placement.values, "off_along": 0.0}))
     mass, own = placement["mass"], 2 * np.pi * placement["mount_frequency"]
     hung = 2 * np.pi * placement["cable_frequency"]
     for k, name in enumerate(COORDINATES):
@@ -182,11 +182,12 @@ def _held(assembly: Assembly, placement: Placement) -> None:
 
 def _along_link(assembly: Assembly, placement: Placement) -> np.ndarray:
     """Motion of the mass against the surface along the link that it is on."""
+    rows = np.array([assembly.row(name) for name in COORDINATES])
     found = np.zeros((len(placement.posture), len(assembly.coordinates)))
     for number in np.unique(placement.response[:, 0]).tolist():
         link, here = placement.context.point(number).link, placement.response[:, 0] == number
         _, axis = along(placement.context, link)
-        found[here] = (assembly.axes(link)[here] @ axis) @ np.array([assembly.row(n) for n in COORDINATES])
+        found[here] = (assembly.axes(link)[here] @ axis) @ rows
     return found
 
 

@@ -27,7 +27,7 @@ def mounted(context: Context, point: int, values: Mapping[str, float]) -> np.nda
     """
     at = context.point(point)
     _, axis = along(context, at.link)
-    place = np.array(at.xyz) + values.get("off_out", 0.0) * axis
+    place = np.array(at.xyz) + values.get("off_along", 0.0) * axis
     for name, side in zip(("off", "off_beside"), sides(context, at.link, axis), strict=False):
         place = place + values[name] * side
     return place

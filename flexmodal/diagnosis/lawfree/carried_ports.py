@@ -64,7 +64,7 @@ def _by_way_patterns(assembly: Assembly, placement: Placement) -> Patterns:
             # what stands out along the axis moves along this way, as the sensor turns
             turned[k, here] = np.einsum("...i,...ij->...j", axes @ np.cross(axis, way), motion[here, 3:])
     ways = 3 if context.normal is None else 2
-    across_turning = sum(outer(moved[k], turned[k].copy(), count) for k in range(1, ways))
+    across_turning = sum(outer(moved[k], turned[k], count) for k in range(1, ways))
     turning = sum(outer(turned[k], turned[k], count) for k in range(1, ways))
     return Patterns(np.concatenate([tensor(list(moved[:ways]), count), [across_turning, turning]]))
 

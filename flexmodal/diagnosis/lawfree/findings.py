@@ -20,8 +20,6 @@ from flexmodal.identification import Observations
 from flexmodal.report.words import percent
 from flexmodal.text.words import enumeration
 
-MISALIGNED = "sensor_misalignment"
-"""What a sensor is that lies otherwise than recorded."""
 OF_CLASS = 0.9
 """Part of the curve that a class has to take: 0.98 and more for a link bent at one hinge and a foundation on
 a block, 0.7 and 0.8 for a neighbour and a hose, which are no effects of the catalogue."""
@@ -34,9 +32,7 @@ def summed_up(look: LawFree, seen: Observations | None = None) -> Findings:
         look: what it came to.
         seen: all that was looked at, by which a sensor may be told that lies otherwise in each posture.
     """
-    found = tuple(_found(look, number) for number in range(len(look.members)))
-    if seen is not None and look.explains and len(found) == 1 and _lies_otherwise(look, found[0], seen):
-        found = (replace(found[0], tells=MISALIGNED),)
+    found = tuple(_found(look, number, seen) for number in range(len(look.members)))
     places = tuple(_place(one) for one in look.first.sightings)
     says, known = _words(look, found), len(look.whole.profile.model.root.space)
     return Findings(
@@ -51,7 +47,7 @@ def summed_up(look: LawFree, seen: Observations | None = None) -> Findings:
     )
 
 
-def _found(look: LawFree, number: int) -> Found:
+def _found(look: LawFree, number: int, seen: Observations | None) -> Found:
     member, port = look.members[number], look.members[number].port
     curve: Curve | None = None
     classes: tuple[Class, ...] = ()
@@ -66,16 +62,16 @@ def _found(look: LawFree, number: int) -> Found:
     found = Found(
         port.kind.name, port.where, port.kind.says, member.without, alike, curve, classes, loss, free
     )
+    if seen is not None and port.kind is CHANNEL and found.is_apart and look.explains:
+        found = replace(found, turned=_lies_otherwise(look, port.where, seen))
     return replace(found, tells=told_by(found))
 
 
-def _lies_otherwise(look: LawFree, found: Found, seen: Observations) -> bool:
-    if found.port != CHANNEL.name or not found.is_apart:
-        return False
+def _lies_otherwise(look: LawFree, where: str, seen: Observations) -> bool:
+    """Where it is the only place, so that the robot alone foretells the motion there."""
     root = look.whole.profile.model.root
-    return lies_otherwise(
-        seen, root, look.whole.state.x[: len(root.space)], root.context.point(found.where).id
-    )
+    known, point = look.whole.state.x[: len(root.space)], root.context.point(where).id
+    return len(look.members) == 1 and lies_otherwise(seen, root, known, point)
 
 
 def _place(one: Sighting) -> PlaceTried:

@@ -50,6 +50,8 @@ def told_by(found: Found) -> str | None:
         return None
     if found.loss is not None:
         return "coulomb_friction" if _rubs(found.loss) else None
+    if found.turned:
+        return "sensor_misalignment"
     if found.curve is None:
         return None
     if found.port == "sensor":

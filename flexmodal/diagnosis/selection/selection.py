@@ -49,9 +49,9 @@ class ForwardSelection(Steps[M]):
             self.drop_hardly_possible()
         tried = [one for each in self.rounds for one in each.comparison.models]
         with suppress(OutOfTime), self.limit.counting(at_least=1 - FOR_EFFECTS):
-            hardly = [step for step in self.steps if hardly_possible(step.confidence) is Answer.YES]
-            keys = [(step.effect, step.where) for step in hardly]
-            if (told := self.data.by_function(self.current, tried, keys)) is not None:
+            doubted = [step for step in self.steps if hardly_possible(step.confidence) is Answer.YES]
+            hardly = [(step.effect, step.where) for step in doubted]
+            if (told := self.data.by_function(self.current, tried, hardly)) is not None:
                 steps = described.anew(self.data, self.root, told[0], self.describe)
                 self.furthest = self.current if self.steps else self.furthest
                 self.current, self.steps[:] = told[0], described.as_sure(steps, told[1])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +11,7 @@ from flexmodal.rig.effects.bearing_flexibility import draw_springs, rows
 from flexmodal.rig.effects.coulomb_friction import EFFECT as FRICTION_EFFECT
 from flexmodal.rig.effects.effect import Effect, Site, Stand, divided, each, multiplied, positive, within
 from flexmodal.rig.effects.nonlinear_stiffness import EFFECT as SPRING
+from flexmodal.rig.forms.behind import behind, draw_hub, hold
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import FRICTION, SATURATING, NonlinearElement
 
@@ -21,32 +21,6 @@ CLOSED = 1.0
 """Likewise, of a flange that is closed."""
 
 
-def _draw_hub(stand: Stand, random: np.random.Generator) -> dict[str, float]:
-    """What turns between the joint's spring and the link behind it, beyond the band."""
-    return {
-        "frequency": float(random.uniform(2.0, 3.5)) * stand.plan.band[1],
-        "damping_time": float(random.uniform(2e-4, 1e-3)),
-    }
-
-
-def _behind(what: str) -> Callable[[PlantAssembly, Site], None]:
-    """The joint's own spring is stretched by q less what a hub or a flange gives."""
-
-    def shape(assembly: PlantAssembly, site: Site) -> None:
-        assembly.add_coordinates([f"{site.where} {what}"])
-        given = assembly.row(f"{site.where} {what}")
-        assembly.elongation[site.where] = assembly.stretch(site.where) - given
-
-    return shape
-
-
-def _hold(assembly: PlantAssembly, site: Site, hub: np.ndarray, own: float, stiffest: float) -> None:
-    """A spring `own` behind the joint's; the hub swings at its frequency where it is held by the stiffest."""
-    assembly.add_spring(hub, own, site["damping_time"] * own)
-    held = site.stand.true.stiffness[site.where] + stiffest
-    assembly.add_inertia(hub, held / (2 * np.pi * site["frequency"]) ** 2)
-
-
 def _draw_clamped(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """A clamp that a weak blow makes slip here and there, and a hard one throughout."""
     weak = stand.true.stiffness[where] * stand.deflection[where][0]
@@ -54,7 +28,7 @@ def _draw_clamped(stand: Stand, where: str, random: np.random.Generator) -> dict
         "torque": float(random.uniform(0.1, 0.4) * weak),
         "softer": float(random.uniform(0.4, 1.2)),
         "sticking": float(random.uniform(2.0, 5.0)),
-        **_draw_hub(stand, random),
+        **draw_hub(stand, random),
     }
 
 
@@ -63,7 +37,7 @@ def _act_clamped(assembly: PlantAssembly, site: Site) -> None:
     own = site.stand.true.stiffness[site.where] / site["softer"]
     sticking = site["sticking"] * own
     hub = assembly.row(f"{site.where} hub")
-    _hold(assembly, site, hub, own, own + sticking)
+    hold(assembly, site, hub, own, own + sticking)
     assembly.elements.append(NonlinearElement(hub, FRICTION, (site["torque"], sticking, 0.0)))
 
 
@@ -74,7 +48,7 @@ def _draw_gaping(stand: Stand, where: str, random: np.random.Generator) -> dict[
         "torque": float(random.uniform(0.15, 0.5) * hard),
         "softer": float(random.uniform(0.15, 0.4)),
         "bolts": float(random.uniform(0.15, 0.35)),
-        **_draw_hub(stand, random),
+        **draw_hub(stand, random),
     }
 
 
@@ -83,7 +57,7 @@ def _act_gaping(assembly: PlantAssembly, site: Site) -> None:
     closed = site.stand.true.stiffness[site.where] / site["softer"]
     opens, faces = site["torque"] / closed, (1 - site["bolts"]) * closed
     flange = assembly.row(f"{site.where} flange")
-    _hold(assembly, site, flange, site["bolts"] * closed, closed)
+    hold(assembly, site, flange, site["bolts"] * closed, closed)
     assembly.elements.append(NonlinearElement(flange, SATURATING, (faces * opens, opens, 0.0)))
 
 
@@ -141,7 +115,7 @@ CLAMPED: Effect = replace(
         positive("torque", "softer", "sticking", "frequency"),
         within(softer=(0.0, SLIPPED + 1e-9), damping_time=(0.0, 0.1)),
     ),
-    shape=_behind("hub"),
+    shape=behind("hub"),
     act=_act_clamped,
 )
 GAPING: Effect = replace(
@@ -164,7 +138,7 @@ GAPING: Effect = replace(
         positive("torque", "softer", "frequency"),
         within(softer=(0.0, CLOSED + 1e-9), bolts=(0.05, 1.0), damping_time=(0.0, 0.1)),
     ),
-    shape=_behind("flange"),
+    shape=behind("flange"),
     act=_act_gaping,
 )
 SLOTTED: Effect = replace(

@@ -81,8 +81,8 @@ def _reset(sensors: dict[str, Sensor], site: Site) -> None:
 
     Where its link stands as it did in an earlier one, it is set as it was then.
     """
-    link, normal = site.stand.link_of(site.where), site.stand.normal_in(site.stand.link_of(site.where))
-    turns = []
+    link = site.stand.link_of(site.where)
+    normal, turns = site.stand.normal_in(link), []
     for number, posture in enumerate(site.stand.plan.postures):
         thrown = np.random.default_rng([int(site["throw"]), number]).standard_normal(3)
         vector = site["angle"] * (thrown / np.sqrt(3) if normal is None else thrown[0] * normal)

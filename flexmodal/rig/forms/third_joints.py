@@ -11,6 +11,7 @@ from flexmodal.rig.effects.bearing_flexibility import draw_springs, frame, rows,
 from flexmodal.rig.effects.coulomb_friction import EFFECT as FRICTION_EFFECT
 from flexmodal.rig.effects.effect import Effect, Site, Stand, each, multiplied, positive, within
 from flexmodal.rig.effects.nonlinear_stiffness import EFFECT as SPRING
+from flexmodal.rig.forms.behind import behind, draw_hub, hold
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import FRICTION, SINH, NonlinearElement
 
@@ -44,24 +45,14 @@ def _draw_spider(stand: Stand, where: str, random: np.random.Generator) -> dict[
     return {
         "softer": softer,
         "deflection": float(random.uniform(0.1, 0.4)) * softer * stand.deflection[where][1],
-        "frequency": float(random.uniform(2.0, 3.5)) * stand.plan.band[1],
-        "damping_time": float(random.uniform(2e-4, 1e-3)),
+        **draw_hub(stand, random),
     }
-
-
-def _shape_spider(assembly: PlantAssembly, site: Site) -> None:
-    """The joint's own spring is stretched by q less the wind-up of the spider."""
-    assembly.add_coordinates([f"{site.where} spider"])
-    spider = assembly.row(f"{site.where} spider")
-    assembly.elongation[site.where] = assembly.stretch(site.where) - spider
 
 
 def _act_spider(assembly: PlantAssembly, site: Site) -> None:
     """k₂ u_r sinh(u/u_r) behind the joint's spring k: q = τ/k + u_r arsinh(τ/(k₂ u_r)) while it is slow."""
-    spider, k = assembly.row(f"{site.where} spider"), site.stand.true.stiffness[site.where]
-    own = k / site["softer"]
-    assembly.add_spring(spider, own, site["damping_time"] * own)
-    assembly.add_inertia(spider, (k + own) / (2 * np.pi * site["frequency"]) ** 2)
+    spider, own = assembly.row(f"{site.where} spider"), site.stand.true.stiffness[site.where] / site["softer"]
+    hold(assembly, site, spider, own, own)
     assembly.elements.append(NonlinearElement(spider, SINH, (own, site["deflection"], CUT)))
 
 
@@ -128,7 +119,7 @@ SPIDER: Effect = replace(
         positive("softer", "deflection", "frequency"),
         within(softer=(0.0, SOFTEST + 1e-9), damping_time=(0.0, 0.1)),
     ),
-    shape=_shape_spider,
+    shape=behind("spider"),
     act=_act_spider,
 )
 LOAD_ZONE: Effect = replace(
