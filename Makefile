@@ -92,17 +92,11 @@ live-pictures: .venv/tested browser
 studies: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/studies.py
 
+FORM_SETS := looked sealed unseen later blind further third fourth
 # Some hours; what is answered already is not asked again. Sealed forms are simulated here and nowhere else.
 exam: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms looked
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms sealed
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms unseen
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms later
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms blind
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms further
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms third
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms fourth
+	for forms in $(FORM_SETS); do OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --forms $$forms || exit 1; done
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py --engine mujoco
 
 arithmetic: .venv/tested

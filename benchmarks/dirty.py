@@ -36,7 +36,7 @@ from flexmodal.campaign.description.tested import Tolerance
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.names import UNKNOWN
 from flexmodal.errors import InvalidRequest
-from flexmodal.rig import FORMS, LOOKED_AT, Hide, ParameterError, simulate
+from flexmodal.rig import FORM_SETS, FORMS, Hide, ParameterError, simulate
 from flexmodal.rig.arms import draw_arm
 from flexmodal.rig.laboratory import with_mishaps
 from flexmodal.rig.positions import choose_points
@@ -104,7 +104,7 @@ def _drawn(robot: flexmodal.Robot, points: list[str], random: np.random.Generato
     """Three to five effects in forms that are no secret, each in a place that it can have."""
     hide = []
     for name in random.choice(NAMED, int(random.integers(3, 6)), replace=False).tolist():
-        form = str(random.choice(LOOKED_AT[name]))
+        form = str(random.choice(FORM_SETS["looked"][name]))
         places = FORMS[name][form].places(robot, points)
         if not places:
             return None

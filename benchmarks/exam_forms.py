@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 from exam_question import ARM, NAMED, OUTSIDE, ROBOTS, WHICH, Question
 
-from flexmodal.rig import BLIND, FOURTH, FURTHER, LATER, LOOKED_AT, SEALED, THIRD, UNSEEN
+from flexmodal.rig import FORM_SETS
 
 ON_ARMS = 2
 """Campaigns of each form on drawn arms, beside one on a shipped robot."""
@@ -21,10 +21,6 @@ NOTHING, PAIRS, SEVERAL, UNKNOWN = 12, 12, 12, 8
 SPATIAL = "six_axis"
 ONLY_SPATIAL = {"link_flexibility:twisting"}
 """Forms that a chain in a plane has no place for."""
-TABLES = {
-    "looked": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND,
-    "further": FURTHER, "third": THIRD, "fourth": FOURTH,
-}  # fmt: skip
 
 
 def plan_forms(seed: int, which: str) -> list[Question]:
@@ -32,9 +28,9 @@ def plan_forms(seed: int, which: str) -> list[Question]:
 
     Args:
         seed: of everything drawn.
-        which: a key of `TABLES`.
+        which: a key of `FORM_SETS`.
     """
-    table = TABLES[which]
+    table = FORM_SETS[which]
     random = np.random.default_rng([seed, 95, WHICH.index(which)])
     turn = iter(random.integers(0, len(ROBOTS), 1000).tolist())
 

@@ -13,7 +13,7 @@ import flexmodal
 from flexmodal.campaign import write_campaign
 from flexmodal.errors import InvalidRequest
 from flexmodal.model import Robot
-from flexmodal.rig import EFFECTS, FORMS, ParameterError, Scenario, Truth, draw_scenario, simulate
+from flexmodal.rig import EFFECTS, FORM_SETS, FORMS, ParameterError, Scenario, Truth, draw_scenario, simulate
 from flexmodal.rig.arms import draw_arm
 from flexmodal.rig.hammer_test import Conduct
 from flexmodal.rig.hidden.retuned import retuned_heights
@@ -27,10 +27,10 @@ OUTSIDE = tuple(name for name, effect in EFFECTS.items() if not effect.catalogue
 POSTURES, POINTS = 5, 5
 ENGINES = ("rig", "mujoco")
 """Who integrates the motion: the virtual rig, or MuJoCo (see `mujoco_campaign`)."""
-WHICH = ("own", "looked", "sealed", "unseen", "later", "blind", "further", "third", "fourth")
+WHICH = ("own", *FORM_SETS)
 """Physical forms that are hidden: the rig's own, those looked at while tuning, those for the exam alone, and
 those that were written once the diagnosis was done, before and after it had met the first of these,
-and by four authors who did not know how it works."""
+and by authors who did not know how it works."""
 ARM = "arm"
 """Instead of the name of a robot: one drawn at random."""
 MASS_ERRORS = (0.02, 0.2)

@@ -14,11 +14,6 @@ from exam_question import NAMED, OUTSIDE, ROBOTS
 
 from flexmodal.files import whole_file
 
-FILES = {
-    "rig": "exam", "mujoco": "exam_mujoco", "looked": "exam_looked", "sealed": "exam_sealed",
-    "unseen": "exam_unseen", "later": "exam_later", "blind": "exam_blind", "further": "exam_further",
-    "third": "exam_third", "fourth": "exam_fourth",
-}  # fmt: skip
 PHYSICS = {
     "rig": "The virtual rig on",
     "mujoco": "Motion integrated by MuJoCo, of",
@@ -29,14 +24,15 @@ PHYSICS = {
     "arms and",
     "later": "The virtual rig, effects in forms that were written once the diagnosis had met all others, on "
     "random arms and",
-    "blind": "The virtual rig, effects in forms by an author who did not know how the diagnosis works, on "
-    "random arms and",
-    "further": "The virtual rig, effects in forms by a second author who did not know how the diagnosis "
-    "works, on random arms and",
-    "third": "The virtual rig, effects in forms by a third author who did not know how the diagnosis works, "
-    "on random arms and",
-    "fourth": "The virtual rig, effects in forms by a fourth author who did not know how the diagnosis "
-    "works, on random arms and",
+}
+AUTHORS = {
+    "blind": "an author", "further": "a second author", "third": "a third author",
+    "fourth": "a fourth author", "fifth": "a fifth author",
+}  # fmt: skip
+PHYSICS |= {
+    which: f"The virtual rig, effects in forms by {author} who did not know how the diagnosis works, on "
+    "random arms and"
+    for which, author in AUTHORS.items()
 }
 TELLS = 0.1
 """Height with all else re-tuned, over the noise of one record, below which a campaign does not tell of an
@@ -99,10 +95,14 @@ def report(
     text = "\n".join(_page(rows, asked, seed, engine, within)) + "\n"
     print(text)
     if published:
-        name = FILES[engine]
+        name = _file(engine)
         _picture(rows, TABLES / f"{name}.png")
         with whole_file(TABLES / f"{name}.md", overwrite=True) as scratch:
             scratch.write_text(text, encoding="utf-8")
+
+
+def _file(engine: str) -> str:
+    return "exam" if engine == "rig" else f"exam_{engine}"
 
 
 def _share(rows: list[dict], key: str) -> str:
@@ -259,7 +259,7 @@ def _page(rows: list[dict], asked: int, seed: int, engine: str, within: float | 
         some = [right for c, right in stated if first <= c < last]
         if some:
             lines.append(f"| {first:g} to {min(last, 1):g} | {len(some)} | {sum(some)} |")
-    lines += ["", f"![Confusion and reliability]({FILES[engine]}.png)"] if len(rows) else []
+    lines += ["", f"![Confusion and reliability]({_file(engine)}.png)"] if len(rows) else []
     return lines
 
 

@@ -12,7 +12,7 @@ import pytest
 
 import flexmodal
 from flexmodal.campaign import read_campaign
-from flexmodal.rig import BLIND, FOURTH, FURTHER, LATER, LOOKED_AT, SEALED, THIRD, UNSEEN
+from flexmodal.rig import FORM_SETS
 from flexmodal.structure.arm import plane_normal
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
@@ -38,33 +38,30 @@ def test_the_exam_of_own_forms_is_the_one_that_was_published():
     assert all(q.forms == () and q.arm == 0 for q in exam_plan.plan(20261128))
 
 
-@pytest.mark.parametrize(
-    ("which", "table", "others"),
-    [
-        ("looked", LOOKED_AT, SEALED),
-        ("sealed", SEALED, LOOKED_AT),
-        ("unseen", UNSEEN, SEALED),
-        ("later", LATER, UNSEEN),
-        ("blind", BLIND, LATER),
-        ("further", FURTHER, BLIND),
-        ("third", THIRD, FURTHER),
-        ("fourth", FOURTH, THIRD),
-    ],
-)
-def test_an_exam_of_forms_asks_each_of_its_own_alike(which, table, others):
+@pytest.mark.parametrize("which", FORM_SETS)
+def test_an_exam_of_forms_asks_each_of_its_own_alike(which):
+    table = FORM_SETS[which]
     questions = exam_plan.plan(4, forms=which)
     assert questions == exam_plan.plan(4, forms=which)
     assert questions != exam_plan.plan(5, forms=which)
     singles = Counter((q.effects[0], q.forms[0]) for q in questions if q.kind == "single")
     assert singles == {(name, form): 3 for name, forms in table.items() for form in forms}
-    foreign = {(name, form) for name, forms in others.items() for form in forms}
-    assert not foreign & {pair for q in questions for pair in zip(q.effects, q.forms, strict=True)}
+    own = {(name, form) for name, forms in table.items() for form in forms} | {
+        (name, "own") for name in exam_question.OUTSIDE
+    }
+    assert {pair for q in questions for pair in zip(q.effects, q.forms, strict=True)} <= own
     kinds = Counter(q.kind for q in questions)
     assert {kind for kind in kinds if kinds[kind]} == {"single", "pair", "several", "nothing", "outside"}
     assert {len(q.effects) for q in questions if q.kind == "several"} == {3, 4, 5}
     assert len({q.name for q in questions}) == len({q.seed for q in questions}) == len(questions)
     assert {q.robot for q in questions} == {"fanuc_s360", "six_link", "six_axis", "arm"}
     assert all((q.arm > 0) == (q.robot == "arm") for q in questions)
+
+
+def test_make_exam_asks_every_set_of_forms():
+    text = (BENCHMARKS.parent / "Makefile").read_text(encoding="utf-8")
+    said = next(line for line in text.splitlines() if line.startswith("FORM_SETS :="))
+    assert said.split()[2:] == list(FORM_SETS)
 
 
 def test_an_arm_has_places_for_what_is_hidden_in_it(tmp_path):

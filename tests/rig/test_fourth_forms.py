@@ -1,4 +1,4 @@
-"""What the forms of the table `FOURTH` are for small motions, against closed forms and second routes."""
+"""What the forms of the set `fourth` are for small motions, against closed forms and second routes."""
 
 from dataclasses import replace
 

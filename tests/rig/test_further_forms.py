@@ -1,4 +1,4 @@
-"""What the forms of the table `FURTHER` are for small motions, against closed forms on uniform bars."""
+"""What the forms of the set `further` are for small motions, against closed forms on uniform bars."""
 
 import numpy as np
 import pytest

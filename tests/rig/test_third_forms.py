@@ -1,4 +1,4 @@
-"""What the forms of the table `THIRD` are for small motions, against closed forms on uniform bars."""
+"""What the forms of the set `third` are for small motions, against closed forms on uniform bars."""
 
 from dataclasses import replace
 
