@@ -1462,6 +1462,33 @@ def test_a_bearing_whose_tilts_are_not_turned_and_lose_no_more_is_the_narrower_o
     assert np.abs(np.log(np.abs(other / narrow))).max() > 0.1
 
 
+@pytest.mark.parametrize("follows", [1.0, 0.0])
+def test_a_bearing_whose_directions_turn_with_the_joint_is_the_slotted_shaft_of_the_rig(spatial, follows):
+    """A stub of length l and rigidity E I: E I/l of tilt and 12 E I/l³ of shift about its middle."""
+    context, observed, stand = spatial
+    joint, length, rigidity, ratio, phase = "q5", 0.1, 2e4, 0.3, 0.6
+    of_rig = {
+        "bending_stiffness": rigidity, "length": length, "ratio": ratio, "phase": phase,
+        "axial_stiffness": 9e7, "damping_time": 4e-4,
+    }  # fmt: skip
+    alike = {
+        "tilt_ratio": 1 / ratio**2, "tilt_angle": 0.0, "second_loss_ratio": 1.0,
+        "radial_loss_ratio": 1.0, "axial_loss_ratio": 1.0,
+    }  # fmt: skip
+    values = {
+        # the stub bends about the axis across the way it gives; the rig's axes are a right angle on
+        "tilt_stiffness": ratio * rigidity / length, "radial_stiffness": 12 * rigidity / length**3,
+        "axial_stiffness": 9e7, "damping_time": 4e-4, "ratio": ratio, "angle": phase - np.pi / 2,
+        "offset": -length / 2, "follows": follows,
+    }  # fmt: skip
+    angles = [posture.q[joint] for posture in observed.postures]
+    assert np.ptp(angles) > 0.3
+    found = ours(context, observed, "bearing_flexibility" + NEXT, joint, {**values, **alike, **STAYS})
+    other = theirs(observed, stand, "bearing_flexibility", joint, of_rig, "slotted")
+    same = np.abs(found / other - 1).max() < 1e-5
+    assert same == (follows == 1.0)
+
+
 def test_one_bearing_gives_beside_all_of_them(spatial):
     """Each has coordinates of its own, by the same names: all as stiff as can be leave that of the one."""
     context, observed, _ = spatial

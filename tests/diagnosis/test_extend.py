@@ -205,6 +205,7 @@ def test_each_effect(name, robot, context_of, diagnosed, tmp_path, monkeypatch):
         drive(Mock(spec=Assembly, wraps=assembly, add_damper=lambda *_: None), placement)
 
     monkeypatch.setattr(bearing_flexibility, "_drive", undamped)
+    monkeypatch.setattr(bearing_flexibility, "_turned", lambda placement, joint: 0.0)  # nor this, as well
     where = effect_of(name).places(context)
     for number, place in enumerate(where[:: max(1, len(where) // 2)]):
         hypothesis, x = drawn(context, [(name, place)], seed=number)
@@ -224,6 +225,22 @@ def test_each_effect(name, robot, context_of, diagnosed, tmp_path, monkeypatch):
         assert loaded.is_planar == context.robot.is_planar
         plain, _ = drawn(context, [], seed=number)
         assert agreement(loaded, plain, x[: len(plain.space)]) > 1e-3  # the effect is there at all
+
+
+def test_a_bearing_that_turns_with_its_joint_is_in_the_files_as_in_the_first_posture(
+    context_of, diagnosed, tmp_path
+):
+    context = context_of("six_axis")
+    hypothesis, x = drawn(context, [("bearing_flexibility" + NEXT, "q5")], seed=3)
+    for k, known in enumerate(hypothesis.space):
+        if known.name.endswith(".follows") or ".mesh_" in known.name:
+            x[k] = known.coordinate(1.0 if known.name.endswith(".follows") else 0.0)
+    extension, loaded = written(diagnosed, hypothesis, x, tmp_path)
+    assert "as they lie in the first posture; they turn by 1 of its angle" in "".join(extension.notes)
+    observations = SEEN[context]
+    off = np.abs(receptances(loaded, observations) / bare(hypothesis, x) - 1).max(axis=-1)
+    first = observations.posture == 0
+    assert off[first].max() < 1e-5 < 1e-3 < off[~first].max()
 
 
 def test_a_liquid_is_frozen_in_the_files(context_of, diagnosed, tmp_path):

@@ -223,6 +223,31 @@ def test_a_law_that_takes_too_little_where_one_place_explains_it_is_widened(
 
 
 @pytest.mark.parametrize(
+    ("alike", "leaves", "tried"),
+    [((("link", "link_3"), ("bearing", "q3")), 1.0, True), ((("link", "link_3"),), 1.0, False),
+     ((("link", "link_3"), ("bearing", "q3")), 3.0, False)],
+)  # fmt: skip
+def test_what_does_as_well_without_a_law_gets_its_wider_one_too(fits, monkeypatch, alike, leaves, tried):
+    """A link that bends is enough; the joint that carries it, by its wider law, would be as well."""
+    setup, _, narrow = fits
+    link = Mock(spec=FittedFrfs, key=("link_flexibility", "link_3"), cost=narrow.cost)
+    joint = Mock(spec=FittedFrfs, key=("bearing_flexibility", "q3"), cost=3 * narrow.cost)
+    wider = Mock(spec=FittedFrfs, key=joint.key, cost=2 * narrow.cost)
+    monkeypatch.setattr(wider_laws, "at_next_level", lambda setup, one, **more: [wider][: one is joint])
+    monkeypatch.setattr(wider_laws, "left", lambda setup, before, one: 0.1 if one is link else 0.9)
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    candidates.is_enough = lambda model: model is link or (model is wider and leaves < 2)
+    look = Mock(
+        spec=Findings, explains=True, found=(Mock(port="link", classes=("spring",), alike=alike),),
+        needed=False, fitted=None, left=1.0,
+        met=lambda keys: {keys[0]: None} if keys[0] == link.key else {},
+    )  # fmt: skip
+    found = candidates.at_next_levels(root, [link, joint], look)
+    assert found == ([link, wider] if tried else [link, joint])
+
+
+@pytest.mark.parametrize(
     ("classes", "allowed", "tried"), [(("gain",), False, True), ((), False, False), (("gain",), True, False)]
 )
 def test_a_law_that_is_enough_stays_unless_the_curve_is_of_another_ones_class(
@@ -240,7 +265,7 @@ def test_a_law_that_is_enough_stays_unless_the_curve_is_of_another_ones_class(
     candidates = FrfCandidates(setup, root, with_force=False)
     candidates.is_enough = lambda model: model is lag
     look = Mock(
-        spec=Findings, explains=True, found=(Mock(port="sensor", classes=classes),), needed=False,
+        spec=Findings, explains=True, found=(Mock(port="sensor", classes=classes, alike=()),), needed=False,
         fitted=None, left=0.6,
         met=lambda keys: {keys[0]: None} if allowed or keys[0] == gain.key else {},
     )  # fmt: skip

@@ -128,12 +128,13 @@ def names_of(context: Context, where: str) -> list[tuple[str, Way, str]]:
     ]
 
 
-def add_ways(assembly: Assembly, placement: Placement) -> None:
+def add_ways(assembly: Assembly, placement: Placement, *, turning: bool = False) -> None:
     """A coordinate for each way in which joints give.
 
     Args:
         assembly: the robot, its motions not complete yet.
         placement: of the effect; its place is the joint, or `ALL`.
+        turning: whether the ways turn with the carried link.
     """
     context, where = placement.context, placement.where
     for joint in joints_at(context, where):
@@ -142,7 +143,10 @@ def add_ways(assembly: Assembly, placement: Placement) -> None:
             continue
         described = context.robot.urdf.joint_by_name[joint]
         columns = assembly.add_coordinates([coordinate(joint, way) for way in some])
-        axes = assembly.axes(described.parent) @ _frame(context, joint)
+        if turning:
+            axes = assembly.axes(described.child)
+        else:
+            axes = assembly.axes(described.parent) @ _frame(context, joint)
         motion = np.zeros((*axes.shape[:-2], 6, len(some)))
         for k, way in enumerate(some):
             motion[..., 3 * way.turns : 3 * way.turns + 3, k] = axes @ way.vector

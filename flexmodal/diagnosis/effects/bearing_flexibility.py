@@ -6,9 +6,10 @@ the other. A part of all springs may relax, as a seat of plastic or a film of gr
 alike, each tilts on a multiple of its own stiffness, and nothing relaxes.
 
 At the next level tilts have principal directions of their own, as on two bearings in different housings, and
-each kind of motion its own loss. And the spring of the joint is stretched by shifts of the bearing besides,
-as where a pinion drives: a mesh gives along its line of action (Kahraman and others, ASME Journal of
-Mechanical Design 114, 1992), so that the drive pushes aside what the bearing carries.
+each kind of motion its own loss; all directions may turn with the carried link, as of a shaft that is not
+round, or by a part of the joint's angle, as of a cage of rollers. And the spring of the joint is stretched by
+shifts of the bearing besides, as where a pinion drives: a mesh gives along its line of action (Kahraman and
+others, ASME Journal of Mechanical Design 114, 1992), so that the drive pushes aside what the bearing carries.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
+from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.bearing import (
     ALL,
@@ -40,6 +42,7 @@ from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
+FOLLOWS = "follows"
 _MESH = 1 / RADIUS
 """What a shift adds to the turn that stretches the spring of the joint, about [rad/m]."""
 
@@ -88,6 +91,7 @@ def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         return _parameters(context, where)
     kinds = {way.kind for way in ways(context, where)}
     found = [positive("second_loss_ratio", "", 1.0, 0.7, 0.02, 50.0)]
+    found.append(signed(FOLLOWS, "of the joint's angle", 0.5, -1.2, 1.2))
     found += [signed(name, "rad/m", _MESH / 2, -10 * _MESH, 10 * _MESH) for name in _mesh(context, where)]
     if "tilt" in kinds:
         found += [positive(f"{kind}_loss_ratio", "", 1.0, 0.7, 0.02, 50.0) for kind in ("radial", "axial")]
@@ -103,10 +107,15 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     if where == ALL:
         return []
     known = {**values, "second_loss_ratio": 1.0}
+    turning = [
+        {FOLLOWS: 1.0, "ratio": ratio, "angle": angle}
+        for ratio in (0.3, 1.0)
+        for angle in (-0.8, 0.0, 0.8, 1.6)
+    ]
     turned = [{"tilt_ratio": ratio, "tilt_angle": angle} for ratio in (0.3, 3.0) for angle in (0.0, 0.8)]
     across = [name for name, way in _mesh(context, where).items() if way.kind == "radial"]
     turned += [{name: sign * _MESH} for name in across for sign in (1, -1)]
-    return [known, {**known, "ratio": 1 / values["ratio"]}, *({**known, **one} for one in turned)]
+    return [known, {**known, "ratio": 1 / values["ratio"]}, *({**known, **one} for one in turned + turning)]
 
 
 def _mesh(context: Context, where: str) -> dict[str, Way]:
@@ -126,14 +135,20 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
         assembly.add_coordinates([_end(placement.where, number) for number in range(count)])
 
 
-def _springs(placement: Placement, joint: str) -> list[tuple[list[tuple[Way, float]], float, float]]:
-    """The ways that a spring pulls along with their shares, its stiffness, and its damping over that [s]."""
+Pulled = list[tuple[Way, float | np.ndarray]]
+
+
+def _springs(placement: Placement, joint: str) -> list[tuple[Pulled, float, float]]:
+    """The ways that a spring pulls along with their shares, its stiffness, and its damping over that [s].
+
+    Shares are numbers, or one for each system where directions turn with the joint.
+    """
     context, where, values = placement.context, placement.where, placement.values
     some, time = given(context, where, joint), placement["damping_time"]
     if where == ALL:
         spring = placement["tilt_factor"] * size(context, joint) / TILT
         return [([(way, 1.0)], spring, time) for way in some]
-    found = []
+    found: list[tuple[Pulled, float, float]] = []
     for kind in dict.fromkeys(way.kind for way in some):
         along, spring = [way for way in some if way.kind == kind], placement[f"{kind}_stiffness"]
         loss = time * values.get(f"{kind}_loss_ratio", 1.0)
@@ -141,13 +156,27 @@ def _springs(placement: Placement, joint: str) -> list[tuple[list[tuple[Way, flo
             found.append(([(along[0], 1.0)], spring, loss))
             continue
         ratio = placement["ratio"] * values.get(f"{kind}_ratio", 1.0)
-        angle = placement["angle"] + values.get(f"{kind}_angle", 0.0)
+        angle = placement["angle"] + values.get(f"{kind}_angle", 0.0) + _turned(placement, joint)
         turned = ((np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle)))
         for row, factor, more in zip(
             turned, (1.0, ratio), (1.0, values.get("second_loss_ratio", 1.0)), strict=True
         ):
             found.append((list(zip(along, row, strict=True)), spring * factor, loss * more))
     return found
+
+
+def _turned(placement: Placement, joint: str) -> float | np.ndarray:
+    """By how much directions have turned with the joint, in each system [rad]."""
+    follows = placement.values.get(FOLLOWS, 0.0)
+    if not follows:
+        return 0.0
+    angles = np.array([posture.q[joint] for posture in placement.context.postures])
+    return np.asarray(follows * angles[placement.posture])
+
+
+def _along(pulled: Pulled, felt: Mapping[Way, np.ndarray]) -> Float[np.ndarray, "*system dof"]:
+    """What a spring is stretched by."""
+    return np.asarray(sum(np.asarray(share)[..., None] * felt[way] for way, share in pulled))
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
@@ -161,7 +190,9 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         if offset:  # motion of the point where the springs meet
             rows = rows + offset * (levers(context, where, joint) @ rows)
         felt, springs = dict(zip(some, rows, strict=True)), _springs(placement, joint)
-        along = np.array([sum(share * felt[way] for way, share in pulled) for pulled, _, _ in springs])
+        along = np.stack(
+            list(np.broadcast_arrays(*(_along(pulled, felt) for pulled, *_ in springs))), axis=-2
+        )
         stiffness = np.array([spring for _, spring, _ in springs])
         assembly.add_together("stiffness", along, stiffness)
         assembly.add_together("damping", along, stiffness * np.array([loss for *_, loss in springs]))
@@ -198,7 +229,7 @@ def _extend(draft: Draft, placement: Placement) -> None:
         motions: list[tuple[str, np.ndarray, bool]] = []
         springs: list[tuple[str, float, float]] = []
         for pulled, stiffness, loss in _springs(placement, joint):
-            vector = sum((share * way.vector for way, share in pulled), np.zeros(3))
+            vector = sum((np.ravel(share)[0] * way.vector for way, share in pulled), np.zeros(3))
             way = pulled[0][0]
             name = draft.fresh(f"{joint}_{way.kind}_{len(springs) + 1}")
             motions.append((name, vector, way.turns))
@@ -209,6 +240,11 @@ def _extend(draft: Draft, placement: Placement) -> None:
             draft.flexible(name, stiffness, stiffness * loss)
         if where != ALL:
             _driven(draft, placement, motions, offset * axis)
+    if placement.values.get(FOLLOWS, 0.0):
+        draft.notes.append(
+            f"the files have the springs of the bearing of {where} as they lie in the first posture; they "
+            f"turn by {placement[FOLLOWS]:.3g} of its angle"
+        )
     if placement.values.get("relaxing", 0.0) > HELD:
         draft.notes.append(
             f"the files have the bearing of {where} and lack what relaxes: {placement['relaxing']:.3g} of "

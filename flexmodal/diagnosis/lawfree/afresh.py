@@ -15,7 +15,7 @@ from flexmodal.diagnosis.lawfree.sighting import Sighting
 
 NEARLY, AFRESH = 1.0, 2
 """Where none comes that near to nothing, so many of the best are fitted once more, from the beginning."""
-WITHIN = 2.0
+WITHIN = 2.5
 """Times the misfit of the best, fitted once more itself, up to which others of them are."""
 
 
@@ -65,7 +65,7 @@ class Again:
         """The best of a fit and of wider ports."""
         best = one
         for wider in one.port.kind.wider:
-            if best.judged > NEARLY:
+            if best.judged > NEARLY and one.port.where in wider.kind.places(self.context):
                 port, start = widened(one, wider, self.context)
                 more = self.fits((port,), self.before, start, patient=True)
                 best = min(best, more, key=lambda each: each.judged)

@@ -80,9 +80,12 @@ def _alike(kind: PortKind) -> Wider:
     """A wider port that begins alike along every axis, with nothing besides."""
 
     def begin(
-        context: Context, values: Mapping[str, float], functions: Complex[np.ndarray, "function line"]
+        context: Context,
+        where: str,
+        values: Mapping[str, float],
+        functions: Complex[np.ndarray, "function line"],
     ) -> Complex[np.ndarray, "more line"]:
-        names = kind.functions(context, "sensor")
+        names = kind.functions(context, where)
         besides = (ACROSS_TURNING, TURNING)
         return np.stack([functions[0] * (BETWEEN not in name and name not in besides) for name in names])
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from itertools import product
+from itertools import combinations_with_replacement, product
 
 import numpy as np
 
@@ -18,9 +18,10 @@ from flexmodal.diagnosis.effects import (
     link_flexibility,
     link_motion,
 )
+from flexmodal.diagnosis.effects.bearing import Way
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement, along
-from flexmodal.diagnosis.lawfree.port import BETWEEN, Patterns, PortKind, Wider, constant, outer
+from flexmodal.diagnosis.lawfree.port import BETWEEN, Patterns, PortKind, Wider, constant, outer, tensor_names
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import carried
 from flexmodal.structure.assembly import Assembly
@@ -73,7 +74,7 @@ def _base_shape(assembly: Assembly, placement: Placement) -> None:
     assembly.move_root(assembly.add_coordinates(names), motion)
 
 
-def _spread(context: Context, values: Mapping[str, float], functions: np.ndarray) -> np.ndarray:
+def _spread(context: Context, where: str, values: Mapping[str, float], functions: np.ndarray) -> np.ndarray:
     """Compliances about an upright axis as those of the root's origin, between any two coordinates."""
     _, motion = foundation.motions(context.normal)
     count = motion.shape[1]
@@ -226,6 +227,57 @@ def _bearing_starts(context: Context, where: str) -> tuple[tuple[float, ...], ..
     return tuple(found)
 
 
+def _every_way(context: Context, where: str) -> list[tuple[Way, Way]]:
+    """Any two ways in which a joint gives."""
+    return list(combinations_with_replacement(bearing.given(context, where, where), 2))
+
+
+def _full_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    where, pairs = placement.where, _every_way(placement.context, placement.where)
+    rows = {way: assembly.row(bearing.coordinate(where, way)) for pair in pairs for way in pair}
+    return Patterns(compliance=np.stack([outer(rows[one], rows[other], 1)[0] for one, other in pairs]))
+
+
+def _full_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+    kinds = _bearing_kinds(context, where)
+    size = dict(zip(kinds, _bearing_sizes(context, where, frequency)[:, 0].tolist(), strict=True))
+    pairs = [(size[one.kind], size[other.kind]) for one, other in _every_way(context, where)]
+    return constant([float(np.sqrt(one * other)) for one, other in pairs], frequency)
+
+
+def _full(*, turning: bool) -> Wider:
+    """Whatever is the same in all postures as the carrying link has it, or as the carried one does."""
+
+    def begin(context: Context, where: str, values: Mapping[str, float], functions: np.ndarray) -> np.ndarray:
+        each = dict(zip(_bearing_kinds(context, where), functions, strict=True))
+        return np.stack([each[one.kind] * (one is other) for one, other in _every_way(context, where)])
+
+    shape = replace(BEARING_SHAPE, shape=partial(bearing.add_ways, turning=turning))
+    kind = PortKind(
+        name="bearing",
+        says="the bearing of a joint",
+        places=lambda context: tuple(
+            joint for joint in bearing_flexibility.EFFECT.places(context) if joint != bearing.ALL
+        ),
+        functions=lambda context, where: tensor_names(
+            [way.name for way in bearing.given(context, where, where)]
+        ),
+        sizes=_full_sizes,
+        unit="1/stiffness",
+        shape=shape,
+        patterns=_full_patterns,
+    )
+    return Wider(kind, begin)
+
+
+BEARING_SHAPE = replace(
+    bearing_flexibility.EFFECT,
+    name="port",
+    parameters=lambda context, where: (),
+    shape=bearing.add_ways,
+    act=None,
+    extend=None,
+)
 BEARING = PortKind(
     name="bearing",
     says="the bearing of a joint",
@@ -234,13 +286,7 @@ BEARING = PortKind(
     sizes=_bearing_sizes,
     starts=_bearing_starts,
     unit="1/stiffness",
-    shape=replace(
-        bearing_flexibility.EFFECT,
-        name="port",
-        parameters=lambda context, where: (),
-        shape=bearing.add_ways,
-        act=None,
-        extend=None,
-    ),
+    shape=BEARING_SHAPE,
     patterns=_bearing_patterns,
+    wider=(_full(turning=False), _full(turning=True)),
 )

@@ -87,10 +87,10 @@ class Wider:
 
     kind: PortKind
     begin: Callable[
-        [Context, Mapping[str, float], Complex[np.ndarray, "function line"]],
+        [Context, str, Mapping[str, float], Complex[np.ndarray, "function line"]],
         Complex[np.ndarray, "more line"],
     ]
-    """Its functions where they do what those of the narrower one do, at values of that one's geometry."""
+    """Its functions where they do what those of the narrower one do at a place, at values of its geometry."""
 
 
 @dataclass(frozen=True, eq=False)

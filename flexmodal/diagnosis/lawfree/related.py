@@ -22,7 +22,7 @@ def widened(one: Sighting, wider: Wider, context: Context) -> tuple[Port, Start]
     model, state = one.profile.model, one.state
     values = model.hypothesis.values_of(model.hypothesis.placed[-1], model.space.values(state.x))
     port, own = Port.at(wider.kind, one.port.where, context), model.spans[-1]
-    found = [wider.begin(context, values, each[own] * model.size[own]) for each in state.z]
+    found = [wider.begin(context, one.port.where, values, each[own] * model.size[own]) for each in state.z]
     size = wider.kind.sizes(context, port.where, model.observations.axis.frequency[model.lines])
     z = np.concatenate([state.z[:, : own.start], np.array(found) / size], axis=1)
     about = wider.kind.motions.parameters(context, port.where)

@@ -91,7 +91,7 @@ class WiderLaws(SearchesBeside):
         """
         enough = [one for one in found if self.is_enough(one) and left(self.setup, before, one) <= HALF]
         if any(look.met([one.key]) or not self._may_be_another(one, look) for one in enough):
-            return found
+            return self._as_good(found, look)
         least = LAW_LEAVES * look.left if look.explains else EXPLAINED
         others = swung(self.setup, before, look)
         places = [one for one in found if look.met([one.key]) or one.key in others]
@@ -99,6 +99,15 @@ class WiderLaws(SearchesBeside):
         if look.found[0].port not in WIDE and any(over_noise(self.setup, one) <= least for one in does):
             return found
         wider = self._at_next_level(places, starts(before, look), unsure=not look.explains)
+        return best_of_each([*found, *wider])
+
+    def _as_good(self, found: list[FittedFrfs], look: Findings) -> list[FittedFrfs]:
+        """With wider laws at places that do as well as the best without a law, if they leave nothing."""
+        alike = look.found[0].alike if look.explains else ()
+        narrow = [
+            one for one in found if (PORT_OF.get(one.key[0]), one.key[1]) in alike and not self.is_enough(one)
+        ]
+        wider = [one for one in self._at_next_level(narrow, SetOut([])) if self.is_enough(one)]
         return best_of_each([*found, *wider])
 
     def _may_be_another(self, model: FittedFrfs, look: Findings) -> bool:

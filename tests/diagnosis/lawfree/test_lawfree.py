@@ -146,7 +146,7 @@ def test_a_wider_foundation_begins_where_the_narrower_one_is(request, root, obse
     values = narrow.hypothesis.values_of(narrow.hypothesis.placed[-1], narrow.space.values(x))
     port = Port.at(wider.kind, "base", context)
     wide = PortedModel.of([port], narrow.root, narrow.observations, narrow.lines)
-    found = wider.begin(context, values, z[0] * narrow.size)
+    found = wider.begin(context, "base", values, z[0] * narrow.size)
     assert len(wide.space) == len(narrow.root.space)
     assert len(port.names) == len(found) > len(narrow.names)
     before = AtParameters(narrow, x).residual(z)
@@ -157,21 +157,31 @@ def test_a_wider_foundation_begins_where_the_narrower_one_is(request, root, obse
 
 @pytest.mark.parametrize("number", [0, 1])
 @pytest.mark.parametrize("arm", ["planar", "in space"])
-def test_what_differs_by_direction_at_a_sensor_begins_where_it_is_alike(request, root, observed, arm, number):
-    """Off the surface by as much; by the axes of the link or of the world."""
+@pytest.mark.parametrize(
+    ("kind", "where", "functions"),
+    [
+        (CARRIED, "sensor", {"planar": (5, 3), "in space": (8, 6)}),
+        (BEARING, "q3", {"planar": (3, 3), "in space": (15, 15)}),
+    ],
+    ids=["sensor", "bearing"],
+)
+def test_what_differs_by_direction_begins_where_it_is_alike(
+    request, root, observed, arm, number, kind, where, functions
+):
+    """Off the surface by as much; by the axes of a link or of the world, as it turns with a joint or not."""
     if arm == "in space":
         founded = request.getfixturevalue("founded")
         root, observed = founded.root, founded.observations
-    narrow = model_of(root, observed, CARRIED, "sensor")
+    narrow = model_of(root, observed, kind, where)
     x, z = somewhere(narrow)
-    wider, context = CARRIED.wider[number], narrow.root.context
+    wider, context = kind.wider[number], narrow.root.context
     one = Mock(
         spec=Sighting, port=narrow.ports[-1], profile=Mock(spec=Profile, model=narrow),
         state=Mock(spec=State, x=x, z=z),
     )  # fmt: skip
     port, (wide_x, wide_z) = widened(one, wider, context)
     wide = PortedModel.of([port], narrow.root, narrow.observations, narrow.lines)
-    assert len(port.names) == {"planar": (5, 3), "in space": (8, 6)}[arm][number]
+    assert len(port.names) == functions[arm][number]
     before = AtParameters(narrow, x).residual(z)
     after = AtParameters(wide, wide_x)
     np.testing.assert_allclose(after.residual(wide_z), before, rtol=1e-7, atol=1e-9)
