@@ -4,6 +4,7 @@ from flexmodal.rig.arms import draw_arm as draw_arm
 from flexmodal.rig.believed import ParameterError as ParameterError
 from flexmodal.rig.effects import EFFECTS as EFFECTS
 from flexmodal.rig.forms import BLIND as BLIND
+from flexmodal.rig.forms import FIFTH as FIFTH
 from flexmodal.rig.forms import FORMS as FORMS
 from flexmodal.rig.forms import FOURTH as FOURTH
 from flexmodal.rig.forms import FURTHER as FURTHER

@@ -13,6 +13,7 @@ from flexmodal.errors import InvalidRequest
 from flexmodal.rig import (
     BLIND,
     EFFECTS,
+    FIFTH,
     FORMS,
     FOURTH,
     FURTHER,
@@ -74,6 +75,7 @@ def drawn(stand, key: str, seed: int = 1):
 TABLES = {
     "looked at": LOOKED_AT, "sealed": SEALED, "unseen": UNSEEN, "later": LATER, "blind": BLIND,
     "further": FURTHER, "third": THIRD, "fourth": FOURTH,
+    "fifth": FIFTH,
 }  # fmt: skip
 
 

@@ -1,8 +1,8 @@
 """Every effect in several physical forms, and which of them may be looked at when a diagnosis is tuned.
 
 `FORMS[name]["own"]` is the effect as the rig has always had it. Forms of one effect share its name, and
-nothing of their laws. Those `SEALED`, `UNSEEN`, `LATER`, `BLIND`, `FURTHER`, `THIRD` and `FOURTH` are for
-exams alone.
+nothing of their laws. Those `SEALED`, `UNSEEN`, `LATER`, `BLIND`, `FURTHER`, `THIRD`, `FOURTH` and `FIFTH`
+are for exams alone.
 """
 
 from __future__ import annotations
@@ -16,6 +16,10 @@ from flexmodal.rig.forms import (
     base_pedestal,
     bearing_flexibility,
     coulomb_friction,
+    fifth_bodies,
+    fifth_drives,
+    fifth_joints,
+    fifth_sensors,
     fourth_bodies,
     fourth_drives,
     fourth_joints,
@@ -49,7 +53,8 @@ for _room in (
     sensor_alignment, bearing_flexibility, base_carriage, base_pedestal, base_gantry,
     link_plates, joint_remote, further_bodies, further_drives, further_joints,
     further_sensors, third_bodies, third_drives, third_joints, third_sensors,
-    fourth_bodies, fourth_drives, fourth_joints, fourth_sensors,
+    fourth_bodies, fourth_drives, fourth_joints, fourth_sensors, fifth_bodies, fifth_drives,
+    fifth_joints, fifth_sensors,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect
@@ -196,6 +201,24 @@ FOURTH: dict[str, tuple[str, ...]] = {
     "bearing_flexibility": ("slotted",),
 }
 """Likewise, by a fourth such author."""
+
+FIFTH: dict[str, tuple[str, ...]] = {
+    "link_flexibility": ("opening",),
+    "base_flexibility": ("console",),
+    "servo_compliance": ("observer",),
+    "structural_damping": ("pressed",),
+    "coulomb_friction": ("splined",),
+    "nonlinear_stiffness": ("strands",),
+    "joint_coupling": ("tensioner",),
+    "added_mass": ("heap",),
+    "local_absorber": ("loop",),
+    "sensor_mass": ("in_sets",),
+    "sensor_gain": ("droop",),
+    "time_delay": ("drifting",),
+    "sensor_misalignment": ("loosening",),
+    "bearing_flexibility": ("fork",),
+}
+"""Likewise, by a fifth author who had read the rig and nothing of the diagnosis."""
 
 
 def find(name: str, form: str = "own") -> Effect:
