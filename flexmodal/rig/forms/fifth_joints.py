@@ -102,8 +102,8 @@ SPLINED: Effect = replace(
     form="splined",
     says="the disc of a brake that was let go: it drags, and has play on its splines, so that small motions "
     "are free",
-    source="Visintin, Differential Models of Hysteresis, Springer 1994 (play and stop); Jenkins, J. Applied "
-    "Physics 33 (1962), a spring that slips",
+    source="Visintin, Differential Models of Hysteresis, Springer 1994 (play and stop); Jenkins, British "
+    "J. Applied Physics 13 (1962) 30 (a spring that slips)",
     units={
         "torque": "N·m, at which the disc slips",
         "spline_stiffness": "N·m/rad",

@@ -73,7 +73,7 @@ IN_SETS: Effect = replace(
     form="in_sets",
     says="several sensors that move on together: while one point is measured, its neighbours carry one too",
     source="Ewins, Modal Testing, 2nd ed., section 3.5 (mass loading as transducers rove); Cakar and "
-    "Sanliturk, Mechanical Systems and Signal Processing 19 (2005) (its removal)",
+    "Sanliturk, Mechanical Systems and Signal Processing 19 (2005) 87 (its removal)",
     units={"mass": "kg, of each", "together": "how many"},
     draw=_draw_in_sets,
     check=each(positive("mass"), within(together=(1.0, 100.0))),
@@ -97,7 +97,7 @@ DRIFTING: Effect = replace(
     TIME_DELAY,
     form="drifting",
     says="a wireless sensor on a clock of its own, set at the start: it is later from posture to posture",
-    source="Krishnamurthy, Fowler and Sazonov, Smart Materials and Structures 17 (2008) 015018 (wireless "
+    source="Krishnamurthy, Fowler and Sazonov, Smart Materials and Structures 17 (2008) 055018 (wireless "
     "sensors whose clocks differ in modal tests)",
     units={"delay": "s, in the last posture"},
     draw=lambda stand, where, random: {"delay": 1.6 * TIME_DELAY.draw(stand, where, random)["delay"]},
