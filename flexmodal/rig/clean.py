@@ -61,7 +61,7 @@ def strike_all_points(
     """
     plan = stand.plan
     linear = all(effect.linear for effect, _ in hidden)
-    mounted = sensors(stand, hidden)
+    mounted = sensors(stand, hidden, posture)
     plant = build(stand, posture, hidden)
     flat = [
         (strike(t.force_peak, t.tip, plan.analyser.trigger, 0.0, 0.0, np.random.default_rng(0)), reference)

@@ -69,7 +69,7 @@ def strike_posture(
     plan = stand.plan
     chosen = plan.trials if trials is None else trials
     linear = all(effect.linear for effect, _ in hidden)
-    mounted = sensors(stand, hidden)
+    mounted = sensors(stand, hidden, posture)
     shared = None if any(s.weighs for s in mounted.values()) else build(stand, posture, hidden)
     averages = max(trial.averages for trial in chosen)
     shape = (len(chosen), len(plan.references), len(plan.points), averages)

@@ -41,6 +41,8 @@ class Sensor:
     """[kg]"""
     loads: list[Callable[[PlantAssembly, CampaignPoint], None]] = field(default_factory=list)
     """What else it puts onto the structure where it sits."""
+    later: list[Callable[[Sensor, int], None]] = field(default_factory=list)
+    """What becomes of it from posture to posture, told the number of the posture, from 0 on."""
     filters: list[Filter] = field(default_factory=list)
     """What its electronics and its mount make of the signal."""
     range: float = np.inf

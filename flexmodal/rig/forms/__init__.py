@@ -15,6 +15,10 @@ from flexmodal.rig.forms import (
     base_pedestal,
     bearing_flexibility,
     coulomb_friction,
+    fifth_bodies,
+    fifth_drives,
+    fifth_joints,
+    fifth_sensors,
     fourth_bodies,
     fourth_drives,
     fourth_joints,
@@ -50,6 +54,7 @@ for _room in (
     link_plates, joint_remote, further_bodies, further_drives, further_joints,
     further_sensors, third_bodies, third_drives, third_joints, third_sensors,
     fourth_bodies, fourth_drives, fourth_joints, fourth_sensors,
+    fifth_bodies, fifth_drives, fifth_joints, fifth_sensors,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect

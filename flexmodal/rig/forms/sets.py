@@ -131,6 +131,22 @@ FORM_SETS: dict[str, dict[str, tuple[str, ...]]] = {
         "sensor_misalignment": ("reset",),
         "bearing_flexibility": ("slotted",),
     },
+    "fifth": {
+        "link_flexibility": ("opening",),
+        "base_flexibility": ("console",),
+        "servo_compliance": ("observer",),
+        "structural_damping": ("pressed",),
+        "coulomb_friction": ("splined",),
+        "nonlinear_stiffness": ("strands",),
+        "joint_coupling": ("tensioner",),
+        "added_mass": ("heap",),
+        "local_absorber": ("loop",),
+        "sensor_mass": ("in_sets",),
+        "sensor_gain": ("droop",),
+        "time_delay": ("drifting",),
+        "sensor_misalignment": ("loosening",),
+        "bearing_flexibility": ("fork",),
+    },
 }
 """By name of the set, then of the effect: its forms there.
 
@@ -139,5 +155,5 @@ FORM_SETS: dict[str, dict[str, tuple[str, ...]]] = {
 - `unseen`: written when the diagnosis was done; docs/diagnosis_accuracy.md says which of them have been
   looked into since.
 - `later`: likewise, once those before had been met and what they showed was mended.
-- `blind`, `further`, `third`, `fourth`: by one author each who did not know how the diagnosis works.
+- `blind`, `further`, `third`, `fourth`, `fifth`: by one author each who did not know how the diagnosis works.
 """

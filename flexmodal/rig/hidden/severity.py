@@ -193,7 +193,7 @@ def _predicted(
 ) -> np.ndarray:
     """The same in one posture [reference, point, axis, line]."""
     plan = stand.plan
-    mounted = sensors(stand, hidden)
+    mounted = sensors(stand, hidden, posture)
     shared = None if any(s.weighs for s in mounted.values()) else build(stand, posture, hidden)
     by_point = []
     for point in plan.points:

@@ -103,7 +103,8 @@ def sliding(kind, p, speed, old, new, memory, fresh, force, ease):
 
 @no_type_check
 def yielding(kind, p, old, new, memory, fresh, force):
-    """Torques that the distance moved sets: a spring that slips (10), by load (12), Bouc and Wen's (11)."""
+    """Torques by the distance moved: a slipping spring (10), by load (12), over play (13), Bouc-Wen (11)."""
+    place = 0.0
     for b in range(len(new)):
         moved = new[b] - old[b]
         if kind == 10:
@@ -111,6 +112,13 @@ def yielding(kind, p, old, new, memory, fresh, force):
         elif kind == 12:
             limit = p[1] + p[2] * abs(new[b] + p[3])
             torque = min(max(memory[b] + p[0] * moved, -limit), limit)
+        elif kind == 13:
+            far = p[2] + p[1] / p[0]
+            place = min(max(memory[b], new[b] - far), new[b] + far)
+            off = new[b] - place
+            torque = p[0] * max(abs(off) - p[2], 0.0)
+            if off < 0:
+                torque = -torque
         else:
             way = 1.0 if moved >= 0 else -1.0
             far = p[0] / p[1] * abs(moved)
@@ -119,7 +127,7 @@ def yielding(kind, p, old, new, memory, fresh, force):
             part += back
             gone = np.tanh(far - back)
             torque = way * p[1] * (part + gone) / (1.0 + part * gone)
-        fresh[b] = torque
+        fresh[b] = place if kind == 13 else torque
         force[b] = -torque
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from flexmodal.rig.plant.plant import (
     BACKLASH,
     BOUC_WEN,
+    DRAGGED,
     FRICTION,
     HARDENING,
     HERTZ,
@@ -132,6 +133,16 @@ def _loaded(
     return torque, torque
 
 
+def _dragged(
+    p: np.ndarray, old: np.ndarray, new: np.ndarray, speed: np.ndarray, memory: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """A body that slips at p₁, pushed by a spring p₀ beyond a play ±p₂; it remembers where it is."""
+    far = p[2] + p[1] / p[0]
+    place = np.clip(memory, new - far, new + far)
+    off = new - place
+    return np.sign(off) * p[0] * np.maximum(np.abs(off) - p[2], 0.0), place
+
+
 def _hertz(
     p: np.ndarray, old: np.ndarray, new: np.ndarray, speed: np.ndarray, memory: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -144,7 +155,7 @@ def _hertz(
 LAWS: Mapping[int, Law] = {
     HARDENING: _hardening, FRICTION: _friction, BACKLASH: _backlash, POLYNOMIAL: _polynomial,
     PIECEWISE: _piecewise, SATURATING: _saturating, SINH: _sinh, STRIBECK: _stribeck, LUGRE: _lugre,
-    SLIDER: _slider, BOUC_WEN: _bouc_wen, LOADED: _loaded, HERTZ: _hertz,
+    SLIDER: _slider, BOUC_WEN: _bouc_wen, LOADED: _loaded, HERTZ: _hertz, DRAGGED: _dragged,
 }  # fmt: skip
 
 

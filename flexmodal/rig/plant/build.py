@@ -20,17 +20,25 @@ Hidden = tuple[Effect, Site]
 """An effect in one of its forms, and its site."""
 
 
-def sensors(stand: Stand, hidden: Sequence[Hidden]) -> dict[str, Sensor]:
+def sensors(
+    stand: Stand, hidden: Sequence[Hidden], posture: CampaignPosture | None = None
+) -> dict[str, Sensor]:
     """The sensor on each point, spoilt as hidden.
 
     Args:
         stand: the true robot and its plan.
         hidden: effects put in.
+        posture: in which they measure, of the plan; without one, before the first.
     """
     made = {point.name: Sensor() for point in stand.plan.points}
     for effect, site in hidden:
         if effect.sense is not None:
             effect.sense(made, site)
+    if posture is not None:
+        number = next(k for k, one in enumerate(stand.plan.postures) if one.id == posture.id)
+        for sensor in made.values():
+            for change in sensor.later:
+                change(sensor, number)
     return made
 
 
