@@ -103,16 +103,16 @@ class Hypothesis:
 
         Args:
             placed: that last effect.
-            given: where it starts, by name without prefix; where none is given, at the middle of its prior.
+            given: where it starts, by name without prefix, else at the middle of its prior; and the robot's.
             x: without the effect.
         """
-        prefix = f"{placed.label}."
-        tail = []
-        for parameter in self.space.parameters[len(x) :]:
-            short = parameter.name.removeprefix(prefix)
-            inside = min(max(given.get(short, parameter.card), parameter.lower), parameter.upper)
-            tail.append(parameter.coordinate(inside))
-        return np.concatenate([x, tail])
+        begun = np.concatenate([x, np.zeros(len(self.space) - len(x))])
+        for number, parameter in enumerate(self.space):
+            short = parameter.name.removeprefix(f"{placed.label}.")
+            if number >= len(x) or short in given:
+                inside = min(max(given.get(short, parameter.card), parameter.lower), parameter.upper)
+                begun[number] = parameter.coordinate(inside)
+        return begun
 
     def groups(
         self, x: Float[np.ndarray, " parameter"], observations: Observations, *, slopes: bool
@@ -296,4 +296,5 @@ class Hypothesis:
             for shift in shifts or ()
             if shift.placed in reading
         ]
-        return Reader(points, [(one.effect, self._placement(one, part, values)) for one in reading], moved)
+        placements = [(one.effect, self._placement(one, part, values)) for one in reading]
+        return Reader(points, part.entries.table[:, 0], placements, moved)

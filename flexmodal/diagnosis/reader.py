@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Shaped
+from jaxtyping import Complex, Int, Shaped
 
 from flexmodal.diagnosis.effects.effect import Effect, Placement
 from flexmodal.structure.structure import Axis
@@ -18,6 +18,8 @@ class Reader:
 
     points: Shaped[np.ndarray, " entry"]
     """Name of the response point of each receptance."""
+    systems: Int[np.ndarray, " entry"]
+    """In which of the placements' systems each was read."""
     placements: Sequence[tuple[Effect, Placement]]
     """Effects that read."""
     moved: Sequence[tuple[int, float, Effect, Placement]]
@@ -40,5 +42,7 @@ class Reader:
     def _log(self, axis: Axis, effect: Effect, placement: Placement) -> Complex[np.ndarray, "entry line"]:
         found = np.zeros((len(self.points), len(axis)), dtype=complex)
         assert effect.read is not None
-        found[self.points == placement.where] = effect.read(placement, axis)
+        own = self.points == placement.where
+        if own.any():
+            found[own] = effect.read(placement.of_systems(self.systems[own]), axis)
         return found

@@ -5,7 +5,8 @@ holds it may give, alike in every direction, so little that it swings beyond the
 within is an absorber.
 
 At the next level it is a tank that is not full. All of its liquid goes up and down, sideways a part of it
-stays behind: it swings slowly, as on springs (Abramson, ed., NASA SP-106, 1966).
+stays behind: it swings slowly, as on springs (Abramson, ed., NASA SP-106, 1966). Or it is grain that has run
+to its lowest place: as far below a place on the link in every posture.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
@@ -36,6 +38,10 @@ FROZEN = 0.02
 """Of a liquid, up to which no file lacks what swings."""
 SLOSH = ("sloshing", "slosh_frequency", "slosh_damping_ratio", "slosh_height")
 """Part of a liquid that swings by itself; how fast and with what loss, and how far above the centre."""
+SUNK, SUNKEN = "sunk", signed("sunk", "m", 0.05, -0.5, 0.5)
+"""How far below its place the centre of what has settled or hangs there is, whatever the posture."""
+SETTLED = (0.05, 0.15)
+"""Such depths from which fits start [m]."""
 RATIOS, LEANS = ("length_ratio", "side_ratio"), ("length_side_lean", "length_across_lean", "side_across_lean")
 """In space, spreads of the mass along the link and to a side over that across both; and how it leans."""
 
@@ -65,15 +71,30 @@ def _liquid_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive("slosh_frequency", "Hz", 2.0, 0.5, 0.3, 10.0),
         positive("slosh_damping_ratio", "", 0.05, 0.7, 1e-3, 0.5),
         signed("slosh_height", "m", 0.05, -0.5, 0.5),
+        SUNKEN,
     )
 
 
 def _liquid_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    return [
+    liquid = [
         {**values, "mass": size * values["mass"], "sloshing": part}
         for part in (0.1, 0.3, 0.6, HANGING)
         for size in (1.0, 1.4, *((3.0,) if part == HANGING else ()))
     ]
+    return [*liquid, *({**values, "sloshing": 1e-3, SUNK: depth} for depth in SETTLED)]
+
+
+def sunk(motion: Float[np.ndarray, "*posture 6 dof"], depth: float) -> Float[np.ndarray, "*posture 3 dof"]:
+    """How a point moves that is so far below another one, whose motion is given, in the same body.
+
+    Args:
+        motion: along the axes of the world, and turns about them.
+        depth: [m].
+    """
+    moved = motion[..., :3, :].copy()
+    moved[..., 0, :] -= depth * motion[..., 4, :]
+    moved[..., 1, :] += depth * motion[..., 3, :]
+    return moved
 
 
 def place_on(context: Context, where: str, values: Mapping[str, float]) -> np.ndarray:
@@ -147,11 +168,11 @@ def _liquid_act(assembly: Assembly, placement: Placement) -> None:
     part, own, ratio, high = (placement[name] for name in SLOSH)
     place = place_on(placement.context, where, placement.values)
     motion, omega = assembly.motion(where, place), 2 * np.pi * own
-    tilted = motion[..., 4, :], -motion[..., 3, :]
-    assembly.add_inertia(motion[..., 2, :], mass)
+    moved, tilted = sunk(motion, placement[SUNK]), (motion[..., 4, :], -motion[..., 3, :])
+    assembly.add_inertia(moved[..., 2, :], mass)
     for axis, name in enumerate("xy"):
         row = assembly.row(f"{where} slosh {name}")
-        level, lever = motion[..., axis, :], high * tilted[axis]
+        level, lever = moved[..., axis, :], high * tilted[axis]
         assembly.add_inertia(level - part / (1 - part) * lever, (1 - part) * mass)
         assembly.add_inertia(level + lever + row, part * mass)
         assembly.add_spring(row, part * mass * omega**2)
@@ -163,6 +184,9 @@ def _liquid_extend(draft: Draft, placement: Placement) -> None:
     """All of it, as if it were frozen."""
     where, place = placement.where, place_on(placement.context, placement.where, placement.values)
     draft.attach(where, _body(placement, place), name=f"{where}_payload")
+    if placement[SUNK]:
+        lower = f"it lies {placement[SUNK]:.3g} m below that"
+        draft.notes.append(f"the files have the mass on {where} at a place of the link; {lower}")
     if placement["sloshing"] > FROZEN:
         part = f"{placement['sloshing']:.3g} of it stays behind sideways"
         draft.notes.append(f"the files have the mass on {where} as rigid: {part}")
@@ -175,7 +199,7 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
         "x": x,
         "y": y,
         "z": z,
-        **{name: values[name] for name in ("gyration", "mount_frequency", *SLOSH) if name in values},
+        **{name: values[name] for name in ("gyration", "mount_frequency", *SLOSH, SUNK) if name in values},
     }
 
 

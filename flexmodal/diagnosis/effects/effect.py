@@ -60,6 +60,11 @@ class Placement:
         tables = self.posture[some], self.level[some], self.reference[some], self.response[some]
         return Placement(self.context, self.where, self.values, *tables)
 
+    @property
+    def progress(self) -> Float[np.ndarray, " system"]:
+        """How far through the campaign each was measured: 0 in the first posture and 1 in the last."""
+        return np.asarray(self.posture / max(len(self.context.postures) - 1, 1))
+
     def __getitem__(self, name: str) -> float:
         """A parameter."""
         return self.values[name]
@@ -106,12 +111,14 @@ class Effect:
     law: Callable[[Assembly, Placement], Sequence[Law]] | None = None
     """The torques themselves where they depend on the swing; `act` is then their stand-in at one amplitude,
     for the search, and they take its place where blows are integrated in time (`time_domain`)."""
+    besides: Callable[[Assembly, Placement], None] | None = None
+    """What of `act` stays there then, as it depends on no swing."""
     turn: Callable[[Assembly, Placement, str, np.ndarray], np.ndarray] | None = None
     """World directions that a sensor truly measures: name of its point, the recorded direction."""
     aside: Callable[[Placement, str], np.ndarray] | None = None
     """How far off its recorded place a sensor sits, by its point's name [m, in the frame of the link]."""
     read: Callable[[Placement, Axis], complex | np.ndarray] | None = None
-    """ln(reading / motion) of the sensor at `where`."""
+    """ln(reading / motion) of the sensor at `where`; the same for all that it read, or for each."""
     simpler: Mapping[str, Sequence[str]] = field(default_factory=dict)
     """Effects that it comes down to in a limit, in the same place, and the parameters that they share."""
     limit: str = ""

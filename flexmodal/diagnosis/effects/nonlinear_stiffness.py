@@ -14,9 +14,11 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.diagnosis.effects.behind_spring import BEHIND
+from flexmodal.diagnosis.effects.behind_spring import starts as behind_starts
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
-from flexmodal.diagnosis.effects.swing import PHASE, largest, one_level, swing_of, typical
+from flexmodal.diagnosis.effects.swing import PHASE, bent, largest, one_level, swing_of, typical
 from flexmodal.diagnosis.time_domain.law import KNEE, Law, hardening, knee
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -35,20 +37,6 @@ def hardened(amplitude: Float[np.ndarray, "*many"], wound: float = 0.0) -> Float
     wave = np.cos(PHASE)
     u = wound + a[..., None] * wave
     return np.asarray(2 / len(PHASE) * np.sum(u**3 / (1 + u**2) * wave, axis=-1) / a)
-
-
-def bent(amplitude: Float[np.ndarray, "*many"], softness: float, wound: float) -> Float[np.ndarray, "*many"]:
-    """The same for a knee: part of A that an amplitude sees.
-
-    Args:
-        amplitude: over the deflection of the knee.
-        softness: over how many deflections it is rounded.
-        wound: elongation about which it swings, over the deflection.
-    """
-    a, wave = np.maximum(amplitude, 1e-4), np.cos(PHASE)
-    u = wound + a[..., None] * wave
-    torque = u * (1 - 2 / (np.hypot(u - 1, softness) + np.hypot(u + 1, softness)))
-    return np.asarray(2 / len(PHASE) * np.sum(torque * wave, axis=-1) / a)
 
 
 _SOFTNESS, _CUBIC, _LOAD, _FAR = "softness", "cubic", "load", "far"
@@ -163,6 +151,7 @@ CURVE = Effect(
     law=_spring,
     variants=("blow",),
     comes_close=True,
+    next_level=Level(BEHIND, behind_starts),
     untestable=one_level,
     physical=_hardening_physical,
     units={"cubic_stiffness": "N·m/rad³"},

@@ -2,7 +2,7 @@
 
 One that is set anew in each posture along axes of the world may follow its link by a part of the turn that it
 has made since the first posture. One that sits on something soft may sag: its weight turns it the farther,
-the more level it stands out of its link.
+the more level it stands out of its link. And one whose stud comes loose turns from posture to posture.
 """
 
 from __future__ import annotations
@@ -58,9 +58,16 @@ def _turn(assembly: Assembly, placement: Placement, point: str, way: np.ndarray)
         return way
     context, size = placement.context, placement["sensitivity"]
     if context.normal is not None:
-        return size * turned(placement["angle"] * context.normal, way)
+        return size * turned(placement["angle"] * _loosened(placement, context.normal), way)
     axes = assembly.axes(context.point(point).link)
-    return size * turned(axes @ np.array([placement[f"angle_{axis}"] for axis in "xyz"]), way)
+    vector = axes @ np.array([placement[f"angle_{axis}"] for axis in "xyz"])
+    return size * turned(_loosened(placement, vector), way)
+
+
+def _loosened(placement: Placement, vector: np.ndarray) -> np.ndarray:
+    """What of a turn is there in each system, if a part of it came from the first posture to the last."""
+    part = placement.values.get(LOOSENS, 0.0)
+    return vector * (1 - part * (1 - placement.progress))[:, None] if part else vector
 
 
 def _aside(placement: Placement, point: str) -> np.ndarray:
@@ -87,6 +94,10 @@ FOLLOWING = "following"
 """Part of the turn of its link since the first posture that it has made too: 0 where it is as recorded."""
 FOLLOWED = (-1.0, -0.8, -0.5, -0.25, 0.25, 0.5, 0.8, 1.0)
 """Of it, from which fits start; 0.8 is too far from 1 where links turn by a right angle."""
+LOOSENS = "loosens"
+"""Part of its turn in the last posture that it has made since the first, as where its stud comes loose."""
+LOOSE = (0.8, -1.0)
+"""Such parts from which fits start."""
 SAGS = 0.3
 """Turn of one that stands out level, from which fits of one that sags start [rad]."""
 ANY, QUARTER = 3.2, np.pi / 2
@@ -120,6 +131,7 @@ def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed(MIRRORED, "", 0.15, -0.2, 1.2),
         *lean,
         signed(FOLLOWING, "", 0.2, -1.5, 1.5),
+        signed(LOOSENS, "of the turn", 0.3, -3.0, 1.2),
         *(signed(name, "rad", 0.15, -1.3, 1.3) for name in _sags(context)),
     )
 
@@ -147,6 +159,7 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     In a plane a turn of the world is one with the link.
     """
     sags = [{**values, name: way * SAGS} for name in _sags(context) for way in (1, -1)]
+    sags += [{**values, **_turned_by(values, 1.5), LOOSENS: part} for part in LOOSE]
     follows = [start for part in FOLLOWED for start in ({**values, FOLLOWING: part}, {FOLLOWING: part})]
     if context.normal is not None:
         quarters = [{**values, "angle": angle} for angle in (0.0, QUARTER, -QUARTER, 2 * QUARTER)]
@@ -167,6 +180,11 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
         *leaning,
         *({**values, **one, MIRRORED: side} for side in (0.0, 1.0) for one in cube),
     ]
+
+
+def _turned_by(values: Mapping[str, float], factor: float) -> Mapping[str, float]:
+    """Its turn on the link, larger by a factor."""
+    return {name: factor * value for name, value in values.items() if name.startswith("angle")}
 
 
 def _stretched(assembly: Assembly, placement: Placement, way: np.ndarray) -> np.ndarray:

@@ -1,4 +1,7 @@
-"""A sensor that lags: a delay, low passes, an all-pass, an average over a time."""
+"""A sensor that lags: a delay, low passes, an all-pass, an average over a time.
+
+At the next level with another low pass, and later and later, or earlier, from the first posture to the last.
+"""
 
 from __future__ import annotations
 
@@ -31,6 +34,10 @@ FURTHER = ("further_time", "further_order")
 """Of another low pass up to second order, which the wider law has besides: both are one of fourth order."""
 AVERAGED = (1e-3, 3e-3, 5e-3, 7e-3, 0.01, 0.014)
 """Times over which a sensor averages, from which fits start [s]."""
+DRIFT = "drift"
+"""By how much later the sensor is in the last posture than in the first, as of a clock of its own."""
+DRIFTS = (-4e-3, -1e-3, 1e-3, 4e-3)
+"""From which fits start [s]."""
 LEAST = 1e-6
 """Size of the average of a whole period, which is nothing."""
 
@@ -53,6 +60,8 @@ def _lag(placement: Placement, axis: Axis) -> np.ndarray:
     if FURTHER[0] in placement.values:
         low = axis.s * placement[FURTHER[0]]
         lag = lag - np.log1p(low + placement[FURTHER[1]] * low**2)
+    if placement.values.get(DRIFT):
+        lag = lag - (placement[DRIFT] * placement.progress)[:, None] * axis.s
     return np.asarray(lag + np.log(mean))
 
 
@@ -72,6 +81,7 @@ def _further_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         *_lag_parameters(context, where),
         positive(time, "s", 1e-5, 2.5, 1e-6, 0.1),
         signed(order, "", 0.6, 0.0, 4.0),
+        signed(DRIFT, "s", 2e-3, -0.03, 0.03),
     )
 
 
@@ -82,6 +92,7 @@ def _further_starts(context: Context, where: str, values: Mapping[str, float]) -
     slow, fast = 2 * np.cos(np.pi * np.array([1, 3]) / 8)
     alone = {**values, "delay": 0.0, "all_pass_time": 1e-6, "averaged_over": 1e-6}
     sections = {"second_order": 1 / slow**2, order: 1 / fast**2}
+    found += [{**one, DRIFT: drift} for one in (values, alone) for drift in DRIFTS]
     return [
         *found,
         *({**alone, **sections, "time_constant": slow * one, time: fast * one} for one in FILTERS),

@@ -4,7 +4,8 @@ It sits off the surface, and a part of its cable is taped to the link. At the ne
 that gives, equally each way, while what is measured moves with the surface, or a part of it does, as of a
 sensor that a hand presses on, or as of one whose cable stands out along the link and whips, which gives
 across that alone; and its cable hangs in the air and holds it, as a spring and a damper to the
-surroundings, or is laid along the arm down to the base, a line of mass on each link. ISO 5348 (mounting of
+surroundings, or is laid along the arm down to the base, a line of mass on each link. Beyond that several may
+move on together, see `sensor_sets`. ISO 5348 (mounting of
 accelerometers); McConnell and Varoto, Vibration Testing, 2nd ed., Wiley 2008, chapter 4 (cables).
 """
 
@@ -12,13 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, signed
+from flexmodal.diagnosis.effects.sensor_sets import SIZES, weigh
 from flexmodal.diagnosis.effects.sensors import mounted
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -204,6 +206,27 @@ HELD_SENSOR = Effect(
         "one response point only: the sensor never moved" if len(context.sensors) < 2 else None
     ),
 )
+
+
+def _in_sets(size: int) -> Effect:
+    """So many sensors that move on together, and at the next level one more."""
+    own = replace(HELD_SENSOR, parameters=_set_parameters, shape=None, act=partial(_weigh_set, size))
+    return replace(own, next_level=None if size == SIZES[-1] else Level(_in_sets(size + 1), _set_starts))
+
+
+def _weigh_set(size: int, assembly: Assembly, placement: Placement) -> None:
+    weigh(assembly, placement, size)
+
+
+def _set_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    return tuple(one for one in _sensor_parameters(context, where) if one.name != "cable")
+
+
+def _set_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    return [{**values, "mass": share * values["mass"]} for share in (0.4, 1.0)]
+
+
+HELD_SENSOR = replace(HELD_SENSOR, next_level=Level(_in_sets(SIZES[0]), _set_starts))
 EFFECT = replace(
     HELD_SENSOR,
     parameters=_sensor_parameters,

@@ -57,6 +57,10 @@ BEYOND = "notch_beyond"
 """The part of what is read that is gone far above it, as of what rocks on an adapter; added if below 0."""
 ROCKS = (0.3, -0.3)
 """Such parts from which fits start, at some frequencies in the band."""
+DRIFT = "drift"
+"""By how much ln of what it reads grows from the first posture to the last, as the sensor warms."""
+DRIFTS = (-0.3, 0.3)
+"""From which fits start."""
 ORDER = "mount_order"
 """Of the mount's resonance: 1, or -1 where one was taken out of what is read that is not there."""
 TAKEN_OUT = (1.1, 2.0, 4.0)
@@ -70,7 +74,8 @@ def _gain(placement: Placement, axis: Axis) -> np.ndarray:
     the sensitivity besides, (1 + g s/ω)/(1 + s/ω), a lead or a lag; and a notch, as of a hum filter, or peak,
     1 − (d 2ζ a + e a²)/(1 + 2ζ a + a²) with a = s/ω (Horowitz and Hill, The Art of Electronics, 3rd ed.,
     section 6.3), e where something between swings on its own, such as an adapter that rocks on its glue.
-    The mount's resonance may have been taken out of readings in which it is not, as by an inverse filter.
+    The mount's resonance may have been taken out of readings in which it is not, as by an inverse filter; and
+    what it reads may grow or shrink from posture to posture.
     """
     gain = placement["gain"]
     s = np.where(axis.frequency > 0, axis.s, 1j * MIDDLE)
@@ -80,6 +85,9 @@ def _gain(placement: Placement, axis: Axis) -> np.ndarray:
     resonance = np.log(1 + 2 * placement["mount_damping_ratio"] * mount + mount**2)
     corner = 2 * np.pi * placement["high_pass"] / s
     passed = np.log1p(corner + placement["high_pass_order"] * corner**2)
+    drift = placement.values.get(DRIFT, 0.0)
+    if drift:
+        size = size + (drift * placement.progress)[:, None]
     step: np.ndarray | float = 0.0
     if STEP in placement.values:
         over = s / (2 * np.pi * placement[STEP_AT])
@@ -175,6 +183,7 @@ def _step_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive(NOTCH[2], "", 0.2, 1.0, 0.005, 5.0),
         signed(BEYOND, "", 0.05, -10.0, 10.0),
         signed(ORDER, "", 0.3, -1.2, 1.2, centre=1.0),
+        signed(DRIFT, "", 0.1, -3.0, 3.0),
     )
 
 
@@ -193,7 +202,8 @@ def _step_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     steps += [{NOTCH[0]: depth, NOTCH[1]: middle} for depth in DEEP for middle in middles]
     steps += [{BEYOND: part, NOTCH[1]: middle, NOTCH[2]: 0.04} for part in ROCKS for middle in middles]
     steps += [{ORDER: -1.0, "mount_frequency": share * context.band[1]} for share in TAKEN_OUT]
-    return [*by_axis, *({**one, **step} for one in (values, alone) for step in steps)]
+    drifts = [{**values, DRIFT: drift} for drift in DRIFTS]
+    return [*by_axis, *drifts, *({**one, **step} for one in (values, alone) for step in steps)]
 
 
 STEPPED_GAIN = Effect(

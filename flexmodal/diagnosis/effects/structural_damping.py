@@ -1,7 +1,8 @@
 """Loss in the joints that is not viscous: K (1 + iη) and a part of K that relaxes.
 
 Each joint has so many times the common loss, stiffening included, which is that of so many times the loss
-factor but for terms of second order; by a wider law some may have next to none. What relaxes is the same part
+factor but for terms of second order; by a wider law some may have next to none, and the weight that a joint
+carries may press on what rubs in it so that it loses more, or less. What relaxes is the same part
 of all. The viscous part is free to be less or more than the card's, where all of it may be another law's.
 What relaxes is a Maxwell element beside each joint's spring, a standard linear solid's (Zener, Elasticity and
 Anelasticity of Metals, 1948): K (1 + r iωτ/(1 + iωτ)). The constant loss comes with the stiffening that
@@ -12,24 +13,56 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
+from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing, relaxation
 from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
+from flexmodal.structure.arm import bodies_of
 from flexmodal.structure.assembly import Assembly
 
 UNEVEN, LEAST = 1.6, 1e-3
 """Standard deviation of ln of a joint's loss over the common one by the wider law, and the least: some joints
 have gears and others run directly."""
 
+BY_LOAD, BY_LOADS = "by_load", (-10.0, -2.0, 1.0)
+"""How much more a joint loses that carries the largest weight, or over how much less; where fits start."""
+
 
 def _ratio(joint: str) -> str:
     return f"loss_ratio_{joint}"
+
+
+@lru_cache(maxsize=16)
+def carried(context: Context) -> Mapping[str, Float[np.ndarray, " posture"]]:
+    """What each joint holds against the weight of the robot, as believed, over the most that any does.
+
+    Args:
+        context: whose postures.
+    """
+    assembly = Assembly(context.stacked)
+    bodies = bodies_of(context.robot.urdf).items()
+    raised = np.sum(
+        [body.mass * assembly.motion(link, body.centre)[..., 2, :] for link, body in bodies], axis=0
+    )
+    found = {joint: np.abs(raised[..., assembly.number(joint)]) for joint in context.robot.joints}
+    most = max(float(one.max()) for one in found.values())
+    return {joint: one / most if most > 0 else one for joint, one in found.items()}
+
+
+def _pressed(placement: Placement, joint: str) -> float | Float[np.ndarray, " system"]:
+    """What becomes of a joint's loss by the weight that it carries: more of it, or less."""
+    by = placement.values.get(BY_LOAD, 0.0)
+    if not by:
+        return 1.0
+    load = carried(placement.context)[joint][placement.posture]
+    return np.asarray(1 + by * load if by > 0 else 1 / (1 - by * load))
 
 
 def _shape(assembly: Assembly, placement: Placement) -> None:
@@ -44,7 +77,8 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         viscous = placement.values.get(f"damping.{joint}", float(card.damping))
         stiffness = placement.values.get(name, float(card.stiffness))
         assembly.add_damper(stretch, (placement["viscous"] - 1.0) * viscous, f"damping.{joint}")
-        assembly.add_loss(stretch, placement.values.get(_ratio(joint), 1.0) * stiffness, name)
+        loss = placement.values.get(_ratio(joint), 1.0) * _pressed(placement, joint)
+        assembly.add_loss(stretch, loss * stiffness, name)
         end = assembly.row(f"{joint} relaxing")
         add_relaxing(assembly, stretch, end, part * stiffness, time, placement.context.band[1], name)
 
@@ -63,7 +97,11 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _uneven(context: Context, where: str) -> tuple[Parameter, ...]:
-    return _with_ratios(context, UNEVEN, LEAST)
+    return (*_with_ratios(context, UNEVEN, LEAST), signed(BY_LOAD, "at the largest load", 1.0, -50.0, 20.0))
+
+
+def _wider_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    return [values, *({**values, BY_LOAD: by} for by in BY_LOADS)]
 
 
 def _with_ratios(context: Context, deviation: float, least: float) -> tuple[Parameter, ...]:
@@ -80,9 +118,14 @@ def _with_ratios(context: Context, deviation: float, least: float) -> tuple[Para
 
 def _extend(draft: Draft, placement: Placement) -> None:
     for joint in placement.context.robot.joints:
-        draft.loses(joint, placement["loss_factor"] * placement.values.get(_ratio(joint), 1.0))
+        ratio = placement.values.get(_ratio(joint), 1.0) * float(np.ravel(_pressed(placement, joint))[0])
+        draft.loses(joint, placement["loss_factor"] * ratio)
         draft.damp(joint, placement["viscous"])
     draft.loss_frequency = placement.context.middle
+    if placement.values.get(BY_LOAD):
+        draft.notes.append(
+            "the files have the loss of the joints as the weight they carry in the first posture has it"
+        )
     if placement["relaxing"] > HELD:
         part, time = placement["relaxing"], placement["relaxation_time"]
         draft.notes.append(
@@ -103,6 +146,4 @@ WIDE = Effect(
     hides_in=("damping.",),
     parts=(RELAXATION_PART,),
 )
-EFFECT = replace(
-    WIDE, parameters=_parameters, next_level=Level(WIDE, lambda context, where, values: [values])
-)
+EFFECT = replace(WIDE, parameters=_parameters, next_level=Level(WIDE, _wider_starts))

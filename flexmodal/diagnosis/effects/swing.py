@@ -83,6 +83,20 @@ def swing_of(placement: Placement) -> tuple[Float[np.ndarray, " system"], Float[
     return amplitude * placement.values.get("reach", 1.0), omega
 
 
+def bent(amplitude: Float[np.ndarray, "*many"], softness: float, wound: float) -> Float[np.ndarray, "*many"]:
+    """Part of what a knee adds that an amplitude sees.
+
+    Args:
+        amplitude: over the deflection of the knee.
+        softness: over how many deflections it is rounded.
+        wound: elongation about which it swings, over the deflection.
+    """
+    a, wave = np.maximum(amplitude, 1e-4), np.cos(PHASE)
+    u = wound + a[..., None] * wave
+    torque = u * (1 - 2 / (np.hypot(u - 1, softness) + np.hypot(u + 1, softness)))
+    return np.asarray(2 / len(PHASE) * np.sum(torque * wave, axis=-1) / a)
+
+
 def typical(context: Context, where: str) -> tuple[float, float]:
     """Swing of a joint under the blows of the campaign [rad], and its speed [rad/s], geometric means.
 

@@ -1,6 +1,6 @@
 """The best ports of a round fitted once more, from the beginning, where none comes near to nothing.
 
-Where so much is left that more is missing than one, only a port of one function that has wider ones is tried
+Where so much is left that more is missing than one, only a port of few functions that has wider ones is tried
 as these: that takes little.
 """
 
@@ -15,6 +15,8 @@ from flexmodal.diagnosis.lawfree.sighting import Sighting
 
 NEARLY, AFRESH = 1.0, 2
 """Where none comes that near to nothing, so many of the best are fitted once more, from the beginning."""
+FEW = 4
+"""Functions of a port that is tried as its wider ones where more may be missing than one."""
 WITHIN = 2.5
 """Times the misfit of the best, fitted once more itself, up to which others of them are."""
 
@@ -44,7 +46,7 @@ class Again:
         if not order or order[0].judged <= NEARLY:
             return order
         if order[0].judged > self.most:
-            wider = [self._widened(one) if len(one.port.names) == 1 else one for one in order[:AFRESH]]
+            wider = [self._widened(one) if len(one.port.names) <= FEW else one for one in order[:AFRESH]]
             return sorted([*wider, *order[AFRESH:]], key=lambda one: one.judged)
         again: list[Sighting] = []
         for one in order[:AFRESH]:

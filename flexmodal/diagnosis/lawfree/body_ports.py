@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations_with_replacement
 
@@ -10,11 +9,12 @@ import numpy as np
 
 from flexmodal.diagnosis.effects import foundation
 from flexmodal.diagnosis.effects.added_mass import EFFECT as ADDED_MASS
-from flexmodal.diagnosis.effects.added_mass import place_on
+from flexmodal.diagnosis.effects.added_mass import SUNK, SUNKEN, place_on, sunk
 from flexmodal.diagnosis.effects.attached_point import MIDDLE, lever_of
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, tensor, tensor_names
+from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
 ATTACHED = 0.05
@@ -36,17 +36,17 @@ def link_ways(context: Context, where: str) -> list[np.ndarray]:
     return [axis, *sides(context, where, axis)]
 
 
-def _tensor(placement: Placement, assembly: Assembly, ways: Sequence[np.ndarray]) -> Patterns:
-    """Of the port's place along some world directions."""
-    place = place_on(placement.context, placement.where, placement.values)
-    motion = assembly.motion(placement.where, place)[..., :3, :]
-    rows = [np.einsum("...i,...ij->...j", way, motion) for way in ways]
+def _body_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    """Of the port's place along the axes of the link."""
+    context, where = placement.context, placement.where
+    motion = assembly.motion(where, place_on(context, where, placement.values))[..., :3, :]
+    axes = assembly.axes(where)
+    rows = [np.einsum("...i,...ij->...j", axes @ way, motion) for way in link_ways(context, where)]
     return Patterns(tensor(rows, len(placement.posture)))
 
 
-def _body_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    axes = assembly.axes(placement.where)
-    return _tensor(placement, assembly, [axes @ way for way in link_ways(placement.context, placement.where)])
+def _place(context: Context, where: str) -> tuple[Parameter, ...]:
+    return tuple(one for one in ADDED_MASS.parameters(context, where) if one.name in GEOMETRY)
 
 
 def _body_functions(context: Context, where: str) -> tuple[str, ...]:
@@ -68,9 +68,7 @@ BODY = PortKind(
     shape=replace(
         ADDED_MASS,
         name="port",
-        parameters=lambda context, where: tuple(
-            one for one in ADDED_MASS.parameters(context, where) if one.name in GEOMETRY
-        ),
+        parameters=_place,
         shape=None,
         act=None,
         extend=None,
@@ -128,8 +126,11 @@ def world_ways(context: Context) -> list[np.ndarray]:
 
 
 def _ground_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    """The same along the axes of the world."""
-    return _tensor(placement, assembly, world_ways(placement.context))
+    """The same along the axes of the world, as far below the place in every posture."""
+    context, where = placement.context, placement.where
+    moved = sunk(assembly.motion(where, place_on(context, where, placement.values)), placement[SUNK])
+    rows = [np.einsum("i,...ij->...j", way, moved) for way in world_ways(context)]
+    return Patterns(tensor(rows, len(placement.posture)))
 
 
 def world_functions(context: Context, where: str) -> tuple[str, ...]:
@@ -147,5 +148,6 @@ GROUND = replace(
     name="ground",
     says="something between the link and what stands around",
     functions=world_functions,
+    shape=replace(BODY.shape, parameters=lambda context, where: (*_place(context, where), SUNKEN)),
     patterns=_ground_patterns,
 )

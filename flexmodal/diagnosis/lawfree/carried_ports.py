@@ -12,6 +12,7 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.effects.sensor_mass import EFFECT as SENSOR_MASS
 from flexmodal.diagnosis.effects.sensor_mass import carried_along
+from flexmodal.diagnosis.effects.sensor_sets import SIZES, motions
 from flexmodal.diagnosis.lawfree.body_ports import ATTACHED, GEOMETRY, link_ways, world_functions, world_ways
 from flexmodal.diagnosis.lawfree.port import (
     BETWEEN,
@@ -115,10 +116,28 @@ CARRIED_BY_WAY = replace(
     CARRIED_IN_WORLD, functions=_by_way_names, sizes=_by_way_sizes, patterns=_by_way_patterns
 )
 """What differs along the arm and across it, as a cable that leaves the sensor does, or a bracket."""
+
+
+def _in_sets(size: int) -> PortKind:
+    """What moves with each of so many sensors that move on together."""
+
+    def patterns(assembly: Assembly, placement: Placement) -> Patterns:
+        every = motions(assembly, placement, size)[..., :3, :]
+        return Patterns(sum(np.swapaxes(one, -1, -2) @ one for one in every)[None])
+
+    return replace(
+        CARRIED_IN_WORLD, functions=lambda context, where: ("force",), sizes=_carried_sizes, patterns=patterns
+    )
+
+
 CARRIED = replace(
     CARRIED_IN_WORLD,
     functions=lambda context, where: ("force",),
     sizes=_carried_sizes,
     patterns=_carried_patterns,
-    wider=(_alike(CARRIED_BY_WAY), _alike(CARRIED_IN_WORLD)),
+    wider=(
+        _alike(CARRIED_BY_WAY),
+        _alike(CARRIED_IN_WORLD),
+        *(Wider(_in_sets(size), lambda context, where, values, functions: functions) for size in SIZES),
+    ),
 )

@@ -1,4 +1,4 @@
-"""Ports at coordinates that are rigid without them: the foundation, a bearing, a link that bends."""
+"""Ports at coordinates that are rigid without them: the foundation, and the bearing of a joint."""
 
 from __future__ import annotations
 
@@ -14,13 +14,10 @@ from flexmodal.diagnosis.effects import (
     bearing,
     bearing_flexibility,
     foundation,
-    hinges,
-    link_flexibility,
-    link_motion,
 )
 from flexmodal.diagnosis.effects.bearing import Way
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Bodies, Effect, Placement, along
+from flexmodal.diagnosis.effects.effect import Effect, Placement
 from flexmodal.diagnosis.lawfree.port import BETWEEN, Patterns, PortKind, Wider, constant, outer, tensor_names
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import carried
@@ -110,85 +107,6 @@ BASE = _base(
         _base(foundation.every_term, replace(base_flexibility.EFFECT, parameters=lambda context, where: ())),
         _spread,
     ),
-)
-
-
-def _link_hinges(context: Context, where: str) -> tuple[np.ndarray, np.ndarray]:
-    """Where a link bends, and weights: three of Gauss's points have any compliance for a load at its end."""
-    return hinges.fixed(context, where) or hinges.gauss(3)
-
-
-def _link_functions(context: Context, where: str) -> tuple[str, ...]:
-    planes = range(link_motion.planes_of(context))
-    names = [f"bend {plane + 1}" for plane in planes]
-    own = [f"{name}{end}" for end in ("", ", outwards", ", to the ends") for name in names]
-    shears = [f"shear {plane + 1}" for plane in planes if hinges.fixed(context, where) is not None]
-    return (*own, *shears) if len(names) == 1 else (*own, "bend 1 × bend 2", "twist", *shears)
-
-
-def _link_shape(assembly: Assembly, placement: Placement) -> None:
-    places, _ = _link_hinges(placement.context, placement.where)
-    link_motion.add_hinges(assembly, placement, places)
-
-
-def _link_body(assembly: Assembly, placement: Placement, bodies: Bodies, link: str) -> bool:
-    places, _ = _link_hinges(placement.context, placement.where)
-    return link_motion.cut_body(assembly, placement, bodies, link, places)
-
-
-def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
-    """Even compliance along the link, what grows along it, and what grows to its ends: Legendre's.
-
-    Of shear Φ/k, where 1/k is the compliance of bending and Φ what its spring is softer by.
-    """
-    context, where = placement.context, placement.where
-    places, weights = _link_hinges(context, where)
-    planes = link_motion.planes_of(context)
-    rows = [assembly.row(name) for name in link_motion.names_of(context, where, len(places))]
-    found = np.zeros((len(_link_functions(context, where)), *(len(assembly.coordinates),) * 2))
-    for hinge, (weight, way) in enumerate(zip(weights, 2 * places - 1, strict=True)):
-        bends = rows[planes * hinge : planes * (hinge + 1)]
-        for plane, row in enumerate(bends):
-            for degree, size in enumerate((1.0, way, (3 * way**2 - 1) / 2)):
-                found[degree * planes + plane] += size * weight * np.diag(row)
-        if planes == 2:
-            found[3 * planes] += weight * outer(bends[0], bends[1], 1)[0]
-    length, _ = along(context, where)
-    for section in link_motion.sections(context, where, places):
-        for name in section.twist:
-            found[3 * planes + 1] += section.share * np.diag(assembly.row(name))
-        for k, name in enumerate(reversed(section.shears), start=1):
-            found[-k] += section.share * length**2 / 12 * np.diag(assembly.row(name))
-    return Patterns(compliance=found)
-
-
-def _link_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
-    planes = link_motion.planes_of(context)
-    more = len(_link_functions(context, where)) - planes
-    return tuple((*(size,) * planes, *(0.0,) * more) for size in (0.03, 0.1, 0.3, 1.0, 3.0))
-
-
-LINK = PortKind(
-    name="link",
-    says="the bending of the link",
-    places=link_flexibility.EFFECT.places,
-    functions=_link_functions,
-    sizes=lambda context, where, frequency: constant(
-        [1 / hinges.stiffest(context, where)] * len(_link_functions(context, where)), frequency
-    ),
-    starts=_link_starts,
-    unit="rad/(N·m)",
-    shape=replace(
-        link_flexibility.EFFECT,
-        name="port",
-        parameters=lambda c, w: (),
-        shape=_link_shape,
-        bodies=_link_body,
-        geometry=(),
-        act=None,
-        extend=None,
-    ),
-    patterns=_link_patterns,
 )
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.effects.free_function import FreeFunction
+from flexmodal.diagnosis.lawfree.changing import changing
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of, undecided
-from flexmodal.diagnosis.lawfree.directions import lies_otherwise
 from flexmodal.diagnosis.lawfree.losses import loss_of
 from flexmodal.diagnosis.lawfree.pursuit import LawFree
 from flexmodal.diagnosis.lawfree.reading_ports import CHANNEL
@@ -63,15 +63,15 @@ def _found(look: LawFree, number: int, seen: Observations | None) -> Found:
         port.kind.name, port.where, port.kind.says, member.without, alike, curve, classes, loss, free
     )
     if seen is not None and port.kind is CHANNEL and found.is_apart and look.explains:
-        found = replace(found, turned=_lies_otherwise(look, port.where, seen))
+        found = replace(found, changes=_changes(look, port.where, seen))
     return replace(found, tells=told_by(found))
 
 
-def _lies_otherwise(look: LawFree, where: str, seen: Observations) -> bool:
+def _changes(look: LawFree, where: str, seen: Observations) -> str | None:
     """Where it is the only place, so that the robot alone foretells the motion there."""
     root = look.whole.profile.model.root
     known, point = look.whole.state.x[: len(root.space)], root.context.point(where).id
-    return len(look.members) == 1 and lies_otherwise(seen, root, known, point)
+    return changing(seen, root, known, point) if len(look.members) == 1 else None
 
 
 def _place(one: Sighting) -> PlaceTried:

@@ -2,8 +2,9 @@
 
 from flexmodal.diagnosis.lawfree.body_ports import ATTACHED_BODY, BODY, GROUND
 from flexmodal.diagnosis.lawfree.carried_ports import CARRIED
-from flexmodal.diagnosis.lawfree.elastic_ports import BASE, BEARING, LINK
+from flexmodal.diagnosis.lawfree.elastic_ports import BASE, BEARING
 from flexmodal.diagnosis.lawfree.joint_ports import BALANCER, COUPLING, DAMPING, JOINT, ROD, TORQUE
+from flexmodal.diagnosis.lawfree.link_ports import LINK
 from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, HAMMER, NOTHING, SENSOR
 
 KINDS = (JOINT, DAMPING, COUPLING, BASE, BEARING, LINK, BODY, GROUND, CARRIED, SENSOR, HAMMER, CHANNEL, BLOWS)

@@ -13,9 +13,9 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import screening
 from flexmodal.diagnosis.lawfree.adjacent import between
 from flexmodal.diagnosis.lawfree.afresh import Again
-from flexmodal.diagnosis.lawfree.elastic_ports import LINK
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING, RARE, TORQUE
+from flexmodal.diagnosis.lawfree.link_ports import LINK
 from flexmodal.diagnosis.lawfree.port import Port, PortKind
 from flexmodal.diagnosis.lawfree.port_fits import PortFits
 from flexmodal.diagnosis.lawfree.ported_fit import begun, finished, mended

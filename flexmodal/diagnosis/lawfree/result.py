@@ -110,8 +110,8 @@ class Found:
     """What was found; None where it differs by posture."""
     tells: str | None = None
     """Name of the effect that its function alone tells, if all places together explain everything."""
-    turned: bool = False
-    """Of a sensor that reads something else in each posture: whether it only lies otherwise."""
+    changes: str | None = None
+    """Of a sensor that reads something else in each posture: name of the effect that it is in each."""
 
     def has(self, effect: str, where: str) -> bool:
         """Whether it can do what an effect of the catalogue does, at its place.

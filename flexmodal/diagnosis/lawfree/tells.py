@@ -6,8 +6,8 @@ large or too small has a gain, or a phase that comes back. What moves along as a
 pulls against the motion where it is fast is attached by a spring. A torque that takes energy, and the more
 the weaker the blow, rubs. Foundations and bearings are not told like this: a machine beside the robot, felt
 through the floor, acts at the same place in the same way. Nor are springs that are not straight, as play is
-none, nor couplings of two joints, as a link between these that bends does much the same. Misaligned sensors
-are told by their directions, see `directions`.
+none, nor couplings of two joints, as a link between these that bends does much the same. Sensors
+that change from posture to posture are told by what each of these makes of them, see `changing`.
 """
 
 from __future__ import annotations
@@ -50,8 +50,8 @@ def told_by(found: Found) -> str | None:
         return None
     if found.loss is not None:
         return "coulomb_friction" if _rubs(found.loss) else None
-    if found.turned:
-        return "sensor_misalignment"
+    if found.changes:
+        return found.changes
     if found.curve is None:
         return None
     if found.port == "sensor":

@@ -70,7 +70,11 @@ def at_next_level(
         return found
     given = level.starts(setup.context, narrow.where, own)
     tried = [hypothesis.start(placed, one, x) for x in before for one in given]
-    return [*found, *_followed(setup, seen, hypothesis, tried, is_enough, rounds, least)]
+    found += _followed(setup, seen, hypothesis, tried, is_enough, rounds, least)
+    if not found or any(is_enough(one) for one in found):
+        return found
+    nearest = min(found, key=lambda one: one.cost)
+    return [*found, *at_next_level(setup, nearest, set_out, is_enough, unsure=unsure)]
 
 
 def _soon(seen: Look, model: FittedFrfs, rounds: Rounds) -> float:

@@ -186,4 +186,4 @@ def has_law(hypothesis: Hypothesis) -> bool:
 def _without_stand_in(placed: Placed) -> Placed:
     if placed.effect.law is None:
         return placed
-    return Placed(replace(placed.effect, act=None, variants=()), placed.where)
+    return Placed(replace(placed.effect, act=placed.effect.besides, variants=()), placed.where)

@@ -14,11 +14,12 @@ from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
 from flexmodal.diagnosis.lawfree.body_ports import ATTACHED_BODY, BODY, GROUND
 from flexmodal.diagnosis.lawfree.carried_ports import CARRIED
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
-from flexmodal.diagnosis.lawfree.elastic_ports import BASE, BEARING, LINK
+from flexmodal.diagnosis.lawfree.elastic_ports import BASE, BEARING
 from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.geometries import placed_best
 from flexmodal.diagnosis.lawfree.joint_ports import BALANCER, COUPLING, DAMPING, JOINT, ROD, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING
+from flexmodal.diagnosis.lawfree.link_ports import LINK
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.metric import Metric
 from flexmodal.diagnosis.lawfree.model import PortedModel

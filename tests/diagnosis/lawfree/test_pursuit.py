@@ -10,9 +10,9 @@ from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import afresh as afresh_module
 from flexmodal.diagnosis.lawfree.afresh import Again
-from flexmodal.diagnosis.lawfree.elastic_ports import LINK
 from flexmodal.diagnosis.lawfree.joint_ports import COUPLING, JOINT
 from flexmodal.diagnosis.lawfree.kinds import TORQUE
+from flexmodal.diagnosis.lawfree.link_ports import LINK
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.port import Port, PortKind, Wider
 from flexmodal.diagnosis.lawfree.profile import Profile, State
@@ -230,23 +230,24 @@ def test_the_second_is_fitted_once_more_where_it_is_near_the_first_that_was(impr
     [
         (1, 12.0, "q1", True),
         (1, 12.0, "joints", False),
-        (2, 12.0, "q1", False),
+        (4, 12.0, "q1", True),
+        (5, 12.0, "q1", False),
         (1, 9.0, "q1", False),
         (1, 0.9, "q1", False),
     ],
 )
-def test_where_more_is_missing_only_a_port_of_one_function_is_widened(functions, left, place, tried):
+def test_where_more_is_missing_only_a_port_of_few_functions_is_widened(functions, left, place, tried):
     """Up to 10 it is fitted once more as a whole; at 1 nothing is missing; the wider one sits at q1."""
-    wide = Port(replace(LINK, name="wide", wider=()), "q1", ("a", "b", "c"))
+    wide = Port(replace(LINK, name="wide", wider=()), "q1", tuple("abcdefgh"))
     kind = replace(
         LINK,
         name="narrow",
         wider=(Mock(spec=Wider, kind=Mock(spec=PortKind, places=lambda context: ("q1",))),),
     )
-    narrow = Sighting((Port(kind, place, ("a", "b")[:functions]),), left, None, 1, PROFILE, STATE)
+    narrow = Sighting((Port(kind, place, tuple("abcdefgh"[:functions])),), left, None, 1, PROFILE, STATE)
     better = Sighting((wide,), 0.7, None, 3, PROFILE, STATE)
     fits = Mock(spec=Field.sighted, return_value=better)
-    begins = Mock(return_value=(wide, (np.zeros(1), np.zeros((1, 3, 1)))))
+    begins = Mock(return_value=(wide, (np.zeros(1), np.zeros((1, 8, 1)))))
     with (
         patch.object(afresh_module, "widened", begins),
         patch.object(Again, "_one", side_effect=lambda one: one),

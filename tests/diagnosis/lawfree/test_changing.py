@@ -1,4 +1,4 @@
-"""Sensors that lie otherwise than recorded, told from what the other points say."""
+"""Sensors that change from posture to posture, told from what the other points say."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 import flexmodal
 from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.lawfree.directions import lies_otherwise, nearest
+from flexmodal.diagnosis.lawfree.changing import changing, nearest
 from flexmodal.identification import observe, predict
 from flexmodal.rig import simulate
 from flexmodal.structure import robot_space
@@ -69,23 +69,28 @@ LATE = np.exp(-2j * np.pi * 1e-3)
 
 
 @pytest.mark.parametrize(
-    ("what", "otherwise"),
+    ("what", "effect"),
     [
-        (lambda posture, moved: moved, True),  # as recorded, a turn by nothing
-        (lambda posture, moved: np.einsum("ab,bl->al", TURNS[posture], moved), True),
-        (lambda posture, moved: np.einsum("ab,bl->al", -TURNS[posture], moved), True),  # mirrored
-        (lambda posture, moved: 1.4 * moved, False),
-        (lambda posture, moved: (1 + 0.3 * posture) * moved[[1, 0, 2]], False),
-        (lambda posture, moved: moved * LATE ** np.arange(moved.shape[1]), False),
+        (lambda posture, moved: moved, "sensor_misalignment"),  # as recorded, a turn by nothing
+        (lambda posture, moved: np.einsum("ab,bl->al", TURNS[posture], moved), "sensor_misalignment"),
+        (
+            lambda posture, moved: np.einsum("ab,bl->al", -TURNS[posture], moved),
+            "sensor_misalignment",
+        ),  # mirrored
+        (lambda posture, moved: 1.4 * moved, "sensor_gain"),
+        (lambda posture, moved: (-0.7, 1.4, 0.8)[posture] * moved, "sensor_gain"),
+        (lambda posture, moved: (1 + 0.3 * posture) * moved[[1, 0, 2]], None),
+        (lambda posture, moved: moved * LATE ** ((1 + posture) * np.arange(moved.shape[1])), "time_delay"),
+        (lambda posture, moved: moved * LATE ** (np.arange(moved.shape[1]) ** 2 / 50), None),
     ],
 )
-def test_only_turned_axes_lie_otherwise(measured, what, otherwise):
+def test_what_a_sensor_does_in_each_posture_has_a_name(measured, what, effect):
     root, seen = measured
     point = int(seen.response[0, 0])
     given = reads(root, seen, point, what)
-    assert lies_otherwise(given, root, np.zeros(len(root.space)), point) is otherwise
+    assert changing(given, root, np.zeros(len(root.space)), point) == effect
 
 
 def test_a_point_that_nobody_looked_at_says_nothing(measured):
     root, seen = measured
-    assert not lies_otherwise(seen, root, np.zeros(len(root.space)), 999)
+    assert changing(seen, root, np.zeros(len(root.space)), 999) is None
