@@ -9,6 +9,7 @@ import pytest
 import flexmodal
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Context, catalogue, hinges
+from flexmodal.diagnosis.effects.effect import Level
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.placed import Placed
@@ -220,6 +221,32 @@ def test_a_law_that_takes_too_little_where_one_place_explains_it_is_widened(
         left=over_noise(setup, narrow), met=lambda keys: {keys[0]: None},
     )  # fmt: skip
     assert candidates.at_next_levels(root, [narrow], look) == [wider if tried else narrow]
+
+
+@pytest.mark.parametrize(("enough", "levels"), [("first", 1), ("second", 2), ("none", 2)])
+def test_a_wider_law_that_is_not_enough_gets_its_own_next_level(fits, monkeypatch, enough, levels):
+    """From the nearest that it came to, until one is enough or there is no wider one."""
+    setup, _, narrow = fits
+    placed = narrow.hypothesis.placed[-1]
+    second = replace(placed.effect, next_level=None, says="second")
+    first = replace(
+        placed.effect, next_level=Level(second, lambda context, where, values: [values]), says="first"
+    )
+    own = replace(placed.effect, next_level=Level(first, lambda context, where, values: [values]))
+    begun = narrow.hypothesis.without(placed.key).and_also(Placed(own, placed.where))
+    tried = []
+
+    def followed(setup, seen, hypothesis, starts, is_enough, rounds, least):
+        tried.append(hypothesis.placed[-1].effect.says)
+        return [replace(narrow, hypothesis=hypothesis)]
+
+    monkeypatch.setattr(next_level, "_followed", followed)
+    found = at_next_level(
+        setup, replace(narrow, hypothesis=begun), SetOut([]),
+        lambda one: one.hypothesis.placed[-1].effect.says == enough,
+    )  # fmt: skip
+    assert list(dict.fromkeys(tried)) == ["first", "second"][:levels]
+    assert {one.hypothesis.placed[-1].effect.says for one in found} == set(tried)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from flexmodal.diagnosis.effects.effect import Bodies, Placement, along
 from flexmodal.diagnosis.lawfree.port import BETWEEN, Patterns, PortKind, Wider, constant, outer
 from flexmodal.structure.assembly import Assembly
 
-MOST = 21
+MOST = 28
 """Functions of a link that is cut, beyond which they are too many for what is measured."""
 
 

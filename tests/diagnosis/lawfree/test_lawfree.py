@@ -19,7 +19,7 @@ from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.geometries import placed_best
 from flexmodal.diagnosis.lawfree.joint_ports import BALANCER, COUPLING, DAMPING, JOINT, ROD, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING
-from flexmodal.diagnosis.lawfree.link_ports import LINK
+from flexmodal.diagnosis.lawfree.link_ports import CUT, LINK
 from flexmodal.diagnosis.lawfree.look import Field
 from flexmodal.diagnosis.lawfree.metric import Metric
 from flexmodal.diagnosis.lawfree.model import PortedModel
@@ -174,15 +174,35 @@ def test_what_differs_by_direction_begins_where_it_is_alike(
         founded = request.getfixturevalue("founded")
         root, observed = founded.root, founded.observations
     narrow = model_of(root, observed, kind, where)
+    port = begins_alike(narrow, kind.wider[number])
+    assert len(port.names) == functions[arm][number]
+
+
+@pytest.mark.parametrize(
+    ("robot", "link", "functions"), [("six_link", "link_3", 12), ("six_axis", "link_2", 28)]
+)
+def test_a_link_that_gives_in_one_place_begins_where_it_does_evenly(robot, link, functions):
+    """Seen between its ends: each place where it is cut by itself, and between these."""
+    seen = simulate(
+        flexmodal.load(robot), postures=2, points=6, references=1, trials=2, averages=2, record_length=1.0,
+        seed=3, band=(2.0, 120.0),
+    )  # fmt: skip
+    observed = unlimited(observe(seen.campaign))
+    root = Hypothesis(Context.of(seen.robot, observed), robot_space(seen.robot))
+    assert link in CUT.places(root.context)
+    port = begins_alike(model_of(root, observed, LINK, link), LINK.wider[0])
+    assert len(port.names) == len(set(port.names)) == functions
+
+
+def begins_alike(narrow, wider):
+    """The port of a wider kind, which does at first what the narrower does; all its functions matter."""
     x, z = somewhere(narrow)
-    wider, context = kind.wider[number], narrow.root.context
     one = Mock(
         spec=Sighting, port=narrow.ports[-1], profile=Mock(spec=Profile, model=narrow),
         state=Mock(spec=State, x=x, z=z),
     )  # fmt: skip
-    port, (wide_x, wide_z) = widened(one, wider, context)
+    port, (wide_x, wide_z) = widened(one, wider, narrow.root.context)
     wide = PortedModel.of([port], narrow.root, narrow.observations, narrow.lines)
-    assert len(port.names) == functions[arm][number]
     before = AtParameters(narrow, x).residual(z)
     after = AtParameters(wide, wide_x)
     np.testing.assert_allclose(after.residual(wide_z), before, rtol=1e-7, atol=1e-9)
@@ -190,6 +210,7 @@ def test_what_differs_by_direction_begins_where_it_is_alike(
         changed = wide_z.copy()
         changed[:, k] += 0.3
         assert np.abs(after.residual(changed) - before).max() > 1e-4, name
+    return port
 
 
 @pytest.mark.parametrize(("name", "number"), [("q1", 0), ("q3", 2)])
