@@ -101,6 +101,19 @@ def test_what_a_sensor_reads_grows_from_posture_to_posture(arm):
     assert not read.all()
 
 
+@pytest.mark.parametrize("order", [3, 5])
+def test_what_a_sensor_reads_droops_towards_the_bands_end(arm, order):
+    """(sinc f/f₀)ᴺ, in phase."""
+    context, observed, _ = arm
+    where, high, null = context.sensors[0], context.band[1], 2.5
+    droop = {"droop": order * (np.pi / null) ** 2 / 6, "droop_null": null}
+    found = ours(context, observed, effect_of("sensor_gain" + NEXT), where, {"gain": 1.0, **droop})
+    other = ours(context, observed, effect_of("sensor_gain" + NEXT), where, {"gain": 1.0})
+    read = (observed.response[:, 0] == context.point(where).id)[:, None]
+    lost = np.sinc(observed.axis.frequency / (null * high)) ** order
+    np.testing.assert_allclose(found, other * np.where(read, lost, 1.0), rtol=1e-9)
+
+
 def test_a_sensor_comes_loose_from_posture_to_posture(arm):
     context, observed, _ = arm
     where, name = context.sensors[-1], "angle" if context.normal is not None else "angle_x"

@@ -1144,6 +1144,33 @@ def test_a_link_with_a_crack_gives_there_besides():
     assert off({"crack": 1e-4}) > 0.1, "where it is does not matter at all"
 
 
+def test_a_link_with_an_opening_tilts_and_slides_there():
+    """The hinges and the slides beside it share it."""
+    context, observed, stand = seen_and_simulated("six_link", ["start_2"], points=4, top=100.0)
+    length, mass = float(np.linalg.norm(context.reach("link_5"))), stand.true.bodies["link_5"].mass
+    tilt, place = 3e5, 0.4
+    shift = tilt / (0.6 * length) ** 2
+    time = 2 * 0.02 * float(np.sqrt(mass * length**2 / 3 / tilt))
+    values = {
+        "stiffness": tilt, "damping": time * tilt, "shear": 1e-4, "crack": 30.0, "crack_at": place,
+        "crack_slide": 12 * tilt / (shift * length**2),
+    }  # fmt: skip
+    box = {
+        "tilt_stiffness": tilt, "shift_stiffness": shift, "place": place, "sideways": 1.0,
+        "damping_ratio": 0.02,
+    }  # fmt: skip
+    there = theirs(observed, stand, "link_flexibility", "link_5", box, "opening")
+
+    def off(more):
+        here = ours(context, observed, "link_flexibility" + NEXT, "link_5", {**values, **more})
+        return np.median(np.abs(np.log(here / there)), axis=1).max()
+
+    assert off({}) < 0.02
+    assert off({"crack_slide": 1e-4}) > 0.2, "it does not slide at all"
+    assert off({"crack_slide": 1e-4, "shear": values["crack_slide"]}) > 3 * off({}), "it may slide anywhere"
+    assert off({"crack": 1e-3}) > 2 * off({}), "it may tilt anywhere"
+
+
 @pytest.mark.parametrize(
     "effect",
     [

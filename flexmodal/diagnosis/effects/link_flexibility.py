@@ -16,8 +16,9 @@ section 5.6).
 The link's mass is taken as spread evenly along it as far as its centre and its inertia allow, the rest as a
 lump, see `cut_body`. At the next level how much is in the lump is free, and hinges that have fixed places may
 move towards an end of their piece, as those of a link on one hinge do; and there may be a crack, which is a
-hinge with a spring that opens in one plane (Dimarogonas, Engineering Fracture Mechanics 55, 1996, 831). And
-it may sway in each plane, with a spring 12 k/(s L²) at its end: two plates tied at their ends hardly bend.
+hinge with a spring that opens in one plane (Dimarogonas, Engineering Fracture Mechanics 55, 1996, 831),
+and where what lies beyond may slide too, as beside an opening. And it may sway in each plane, with a spring
+12 k/(s L²) at its end: two plates tied at their ends hardly bend.
 """
 
 from __future__ import annotations
@@ -40,7 +41,16 @@ from flexmodal.diagnosis.effects.link_motion import (
     cut_body,
     sections,
 )
-from flexmodal.diagnosis.effects.link_springs import CRACK, CRACK_AT, act, planes, shares_of, sideways
+from flexmodal.diagnosis.effects.link_springs import (
+    CRACK,
+    CRACK_AT,
+    SLIDE,
+    act,
+    planes,
+    shares_of,
+    sideways,
+    sliding,
+)
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body, bodies_of, crossed
@@ -48,6 +58,8 @@ from flexmodal.structure.robot_terms import scaled
 
 SHORTEST = 0.05
 """Links shorter than this do not bend [m]."""
+OPENINGS = (0.25, 0.4, 0.6)
+"""Places of an opening beside which the walls give, from which fits start."""
 SHEAR = 0.03
 """Φ, about: of a thin tube sixteen times as long as wide, κ = ½."""
 BENDS = ("position", "spread")
@@ -122,6 +134,12 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
         (section, section.share * share)
         for section in sections(context, link, places)
         for place, share in section.cuts
+        if place == places[hinge] and section.twist
+    ]
+    slides = [
+        spring / share
+        for section, spring in sliding(placement, places)
+        for place, share in section.cuts
         if place == places[hinge]
     ]
     sways = hinge == len(places) // 2 and SWAYS[0] in placement.values
@@ -130,17 +148,13 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
         end = f"{hinge + 1}" + (f"_{plane + 1}" if len(across) > 1 else "")
         bend = ratio * stiffness / shares_of(placement, plane)[hinge]
         found.append(_New(f"{link}_bend_{end}", crossed(axis, side), bend))
-        for section, share in there:
-            if section.shears:
-                sliding = ratio * sideways(placement, "shear") / share
-                found.append(_New(f"{link}_shear_{end}", side, sliding, slides=True))
+        found += [_New(f"{link}_shear_{end}", side, ratio * spring, slides=True) for spring in slides]
         if sways:
             swaying = sideways(placement, SWAYS[plane])
             found.append(_New(f"{link}_sway_{plane + 1}", side, swaying, slides=True))
     for section, share in there:
-        if section.twist:
-            end = f"_{hinge + 1}" if len(section.cuts) > 1 else ""
-            found.append(_New(f"{link}_twist{end}", axis, placement["twist_ratio"] * stiffness / share))
+        end = f"_{hinge + 1}" if len(section.cuts) > 1 else ""
+        found.append(_New(f"{link}_twist{end}", axis, placement["twist_ratio"] * stiffness / share))
     return found
 
 
@@ -185,6 +199,7 @@ def _wider_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed(SHIFT, "", 0.3, -0.8, 0.8),
         positive(CRACK, "", 0.03, 1.5, 1e-4, 30.0),
         signed(CRACK_AT, "", 0.25, 0.03, 0.97, centre=0.4),
+        positive(SLIDE, "", 1e-4, 3.0, 1e-6, 100.0),
     )
 
 
@@ -193,7 +208,10 @@ def _wider_starts(context: Context, where: str, values: Mapping[str, float]) -> 
     found = [{**values, TUBE: tube, SPREAD: spread} for tube, spread in bodies]
     moved = [{**values, SHIFT: shift, "spread": 0.1} for shift in (-0.5, 0.5)]
     cracked = [{**values, CRACK: 0.7, CRACK_AT: place, "spread": EVEN} for place in (0.2, 0.5, 0.8)]
-    return [*found, *swaying] if fixed(context, where) is None else [*found[:2], *moved, *cracked, *swaying]
+    if fixed(context, where) is None:
+        return [*found, *swaying]
+    opened = [{**values, CRACK: 10.0, CRACK_AT: place, "spread": EVEN, SLIDE: 3.0} for place in OPENINGS]
+    return [*found[:2], *moved, *cracked, *opened, *swaying]
 
 
 def _that_sway(values: Mapping[str, float]) -> list[dict[str, float]]:

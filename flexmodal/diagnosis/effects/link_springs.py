@@ -8,11 +8,12 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.effect import Placement, along
-from flexmodal.diagnosis.effects.link_motion import SWAYS, bending, names_of, sections, turned_by
+from flexmodal.diagnosis.effects.link_motion import SWAYS, Section, bending, names_of, sections, turned_by
 from flexmodal.structure.assembly import Assembly
 
-CRACK, CRACK_AT = "crack", "crack_at"
-"""Compliance of a crack in the first plane, over that of the link there without it, and its place."""
+CRACK, CRACK_AT, SLIDE = "crack", "crack_at", "crack_slide"
+"""Compliance of a crack in the first plane, over that of the link there without it, and its place; and how
+what lies beyond it slides, as beside an opening, by what that is to the compliance of the link."""
 _Spring = tuple[list[tuple[str, float]], float]
 """What of each coordinate it feels, and its stiffness."""
 
@@ -43,14 +44,12 @@ def act(assembly: Assembly, placement: Placement) -> None:
             found.append(([(own[plane], share) for plane, share in parts], spring))
     for section in sections(context, where, bending(placement)[0]):
         twist = [([(name, 1.0)], placement["twist_ratio"] * placement["stiffness"]) for name in section.twist]
-        slides = [
-            (
-                [(section.shears[plane], share) for plane, share in parts],
-                ratio * sideways(placement, "shear"),
-            )
-            for ratio, parts in (principal if section.shears else ())
+        found += [(pulled, spring / section.share) for pulled, spring in twist]
+    for section, slide in sliding(placement, bending(placement)[0]):
+        found += [
+            ([(section.shears[plane], share) for plane, share in parts], ratio * slide)
+            for ratio, parts in principal
         ]
-        found += [(pulled, spring / section.share) for pulled, spring in (*twist, *slides)]
     if SWAYS[0] in placement.values:
         found += [_softened(placement, found, plane) for plane in range(len(principal))]
     rows = np.zeros((len(found), len(assembly.coordinates)))
@@ -96,8 +95,29 @@ def shares_of(placement: Placement, plane: int) -> Float[np.ndarray, " hinge"]:
     return np.asarray((shares + placement[CRACK] * near) / (1 + placement[CRACK]))
 
 
+def sliding(placement: Placement, places: Float[np.ndarray, " hinge"]) -> list[tuple[Section, float]]:
+    """Sections that shear and their springs in the first plane, by the wider law softer beside a crack [N/m].
+
+    Args:
+        placement: of the effect.
+        places: of its hinges, as parts of the length.
+    """
+    found = [one for one in sections(placement.context, placement.where, places) if one.shears]
+    if not found:
+        return []
+    gives = placement["shear"] * np.array([one.share for one in found])
+    if SLIDE in placement.values:
+        middles = [sum(place * part for place, part in one.cuts) for one in found]
+        gives += placement[SLIDE] * np.array(
+            [np.interp(placement[CRACK_AT], middles, each) for each in np.eye(len(found))]
+        )
+    length, _ = along(placement.context, placement.where)
+    springs = 12 * placement["stiffness"] / (gives * length**2)
+    return list(zip(found, springs.tolist(), strict=True))
+
+
 def sideways(placement: Placement, name: str) -> float:
-    """Stiffness of the whole link against a shift of its end, in shear or as it sways [N/m].
+    """Stiffness of the whole link against a shift of its end as it sways [N/m].
 
     Args:
         placement: of the effect.

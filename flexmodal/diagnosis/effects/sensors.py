@@ -33,6 +33,8 @@ def mounted(context: Context, point: int, values: Mapping[str, float]) -> np.nda
     return place
 
 
+NEAR_NULL = 0.98
+"""Of where nothing is left, up to which a droop is followed."""
 LEAST_GAIN = 0.02
 """Size of a gain at least, of either sign."""
 MIDDLE = 2 * np.pi * 50.0
@@ -61,6 +63,11 @@ DRIFT = "drift"
 """By how much ln of what it reads grows from the first posture to the last, as the sensor warms."""
 DRIFTS = (-0.3, 0.3)
 """From which fits start."""
+DROOP, NULL = "droop", "droop_null"
+"""What ln of the readings lacks at the band's end without a lag, as behind running means that nobody
+equalised, their delay taken out; and where these let nothing through, over the band's end."""
+DROOPS = (0.5, -0.3)
+"""Such losses from which fits start."""
 ORDER = "mount_order"
 """Of the mount's resonance: 1, or -1 where one was taken out of what is read that is not there."""
 TAKEN_OUT = (1.1, 2.0, 4.0)
@@ -95,9 +102,16 @@ def _gain(placement: Placement, axis: Axis) -> np.ndarray:
         depth, middle, width = (placement[name] for name in NOTCH)
         a = s / (2 * np.pi * middle)
         taken = depth * 2 * width * a + placement[BEYOND] * a**2
-        step = step + np.log(1 - taken / (1 + 2 * width * a + a**2))
+        step = step + np.log(1 - taken / (1 + 2 * width * a + a**2)) - _droop(placement, axis)
     order = placement.values.get(ORDER, 1.0)
     return np.asarray(size + slope - order * resonance - passed + step, dtype=complex)
+
+
+def _droop(placement: Placement, axis: Axis) -> np.ndarray:
+    """As ln sinc(f/f₀), which is −(π f/f₀)²/6 at first (Hogenauer, IEEE Trans. ASSP 29, 1981, 155)."""
+    high, null = placement.context.band[1], placement[NULL]
+    grown = -np.log(np.sinc(np.minimum(axis.frequency / (null * high), NEAR_NULL)))
+    return np.asarray(placement[DROOP] * grown / ((np.pi / null) ** 2 / 6))
 
 
 def _gain_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -184,6 +198,8 @@ def _step_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed(BEYOND, "", 0.05, -10.0, 10.0),
         signed(ORDER, "", 0.3, -1.2, 1.2, centre=1.0),
         signed(DRIFT, "", 0.1, -3.0, 3.0),
+        signed(DROOP, "", 0.1, -2.0, 3.0),
+        positive(NULL, "of the band's end", 4.0, 0.7, 1.1, 50.0),
     )
 
 
@@ -202,7 +218,8 @@ def _step_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     steps += [{NOTCH[0]: depth, NOTCH[1]: middle} for depth in DEEP for middle in middles]
     steps += [{BEYOND: part, NOTCH[1]: middle, NOTCH[2]: 0.04} for part in ROCKS for middle in middles]
     steps += [{ORDER: -1.0, "mount_frequency": share * context.band[1]} for share in TAKEN_OUT]
-    drifts = [{**values, DRIFT: drift} for drift in DRIFTS]
+    drifts: list[Mapping[str, float]] = [{**values, DRIFT: drift} for drift in DRIFTS]
+    drifts += [{**alone, DROOP: droop} for droop in DROOPS]
     return [*by_axis, *drifts, *({**one, **step} for one in (values, alone) for step in steps)]
 
 
