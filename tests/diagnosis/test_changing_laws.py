@@ -1,13 +1,17 @@
 """Laws of what changes with the posture or from point to point: against the rig's own, and narrower laws."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
 from flexmodal.diagnosis.effects.behind_spring import BEHIND
+from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.effects.sensor_mass import HELD_SENSOR
 from flexmodal.diagnosis.effects.sensor_sets import SIZES, neighbours
 from flexmodal.diagnosis.effects.structural_damping import carried
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import predict
 from flexmodal.rig.forms.fifth_drives import weights
@@ -153,6 +157,31 @@ def test_joints_lose_by_the_weight_that_they_carry(arm, by):
     ]
     other = by_posture(context, observed, wide, "joints", [{**own, **one} for one in ratios])
     np.testing.assert_allclose(found, other, rtol=1e-9)
+
+
+def test_a_belt_over_a_roller_on_a_spring_is_that_of_the_rig(arm):
+    """And in the files as while it is slow."""
+    context, observed, stand = arm
+    where, belt = "q1+q3", 2e5
+    values = {
+        "belt_stiffness": belt, "belt_ratio": -0.7, "tightness": 0.8, "roller_frequency": 30.0,
+        "roller_damping_ratio": 0.05,
+    }  # fmt: skip
+    law = effect_of("joint_coupling" + NEXT).next_level.effect
+    found = ours(context, observed, law, where, values)
+    of_rig = {"stiffness": belt, "ratio": -0.7, "tightness": 0.8, "frequency": 30.0, "damping_ratio": 0.05}
+    other = theirs(observed, stand, "joint_coupling", where, of_rig, "tensioner")
+    np.testing.assert_allclose(found, other, rtol=1e-6, atol=1e-9 * np.abs(other).max())
+    stiff = ours(context, observed, law, where, {**values, "tightness": 100.0})
+    assert np.abs(np.log(np.abs(stiff / other))).max() > 0.1
+    draft = Mock(spec=Draft, notes=[])
+    law.extend(draft, Placement.still(context, where, values))
+    still = belt * 0.8 / 1.8
+    assert draft.couple.call_args.args == ("q1", "q3", pytest.approx(0.7 * still))
+    assert [one.args for one in draft.stiffen.call_args_list] == [
+        ("q1", pytest.approx(still)), ("q3", pytest.approx(0.49 * still)),
+    ]  # fmt: skip
+    assert "lack its roller, 30 Hz" in draft.notes[0]
 
 
 def test_a_spring_behind_the_joints_own_sets_out_from_the_card(arm):
