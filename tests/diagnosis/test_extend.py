@@ -11,6 +11,7 @@ import pytest
 import flexmodal
 from flexmodal.cards import read_urdf
 from flexmodal.diagnosis.effects import Context, bearing_flexibility, catalogue
+from flexmodal.diagnosis.effects.behind_spring import BEHIND
 from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.effects.rod import springs, tightened
 from flexmodal.diagnosis.hypothesis import Hypothesis
@@ -241,6 +242,24 @@ def test_a_bearing_that_turns_with_its_joint_is_in_the_files_as_in_the_first_pos
     off = np.abs(receptances(loaded, observations) / bare(hypothesis, x) - 1).max(axis=-1)
     first = observations.posture == 0
     assert off[first].max() < 1e-5 < 1e-3 < off[~first].max()
+
+
+@pytest.mark.parametrize("robot", ["fanuc_s360", "six_axis"])
+def test_a_spring_behind_a_joints_own_is_in_the_files_as_for_small_swings(
+    robot, context_of, diagnosed, tmp_path
+):
+    context = context_of(robot)
+    hypothesis, x = drawn(context, [("nonlinear_stiffness", "q2")], seed=4)
+    hypothesis = hypothesis.without(("nonlinear_stiffness", "q2")).and_also(Placed(BEHIND, "q2"))
+    law = {"behind_softer": 0.7, "behind_frequency": 90.0, "change": 0.0}
+    x = hypothesis.start(hypothesis.placed[-1], law, x[: len(hypothesis.base)])
+    extension, loaded = written(diagnosed, hypothesis, x, tmp_path)
+    assert agreement(loaded, hypothesis, x) < 1e-6
+    assert "as it is for small swings" in "".join(extension.notes)
+    without = hypothesis.start(
+        hypothesis.placed[-1], {**law, "behind_softer": 0.3}, x[: len(hypothesis.base)]
+    )
+    assert agreement(loaded, hypothesis, without) > 0.05
 
 
 def test_a_liquid_is_frozen_in_the_files(context_of, diagnosed, tmp_path):

@@ -15,6 +15,7 @@ import numpy as np
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.effects.swing import bent, largest, one_level, swing_of, typical
+from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.diagnosis.time_domain.law import Law, knee
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -44,10 +45,15 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
     assembly.stretch[placement.where] = assembly.stretch_of(placement.where) - _hub(assembly, placement)
 
 
+def _inertia(placement: Placement) -> float:
+    """Of the hub [kg·m²]."""
+    return float(sum(_own(placement)) / (2 * np.pi * placement[FREQUENCY]) ** 2)
+
+
 def _besides(assembly: Assembly, placement: Placement) -> None:
     """The hub, on what does not depend on the swing."""
-    (behind, k), hub = _own(placement), _hub(assembly, placement)
-    assembly.add_inertia(hub, (k + behind) / (2 * np.pi * placement[FREQUENCY]) ** 2)
+    behind, hub = _own(placement)[0], _hub(assembly, placement)
+    assembly.add_inertia(hub, _inertia(placement))
     assembly.add_spring(hub, behind)
     assembly.add_damper(hub, placement[TIME] * behind)
 
@@ -97,6 +103,18 @@ def starts(context: Context, where: str, values: Mapping[str, float]) -> Sequenc
     ]
 
 
+def _extend(draft: Draft, placement: Placement) -> None:
+    """What it is where it hardly swings."""
+    behind, where = _own(placement)[0], placement.where
+    hub = draft.fresh(f"{where}_hub")
+    draft.behind(where, hub)
+    draft.flexible(hub, behind, placement[TIME] * behind, rotor_inertia=_inertia(placement))
+    draft.notes.append(
+        f"the files have the spring behind that of {where} as it is for small swings; "
+        "it depends on the force of the blow"
+    )
+
+
 BEHIND = Effect(
     name="nonlinear_stiffness",
     says="the joint's spring hardens or softens",
@@ -106,6 +124,7 @@ BEHIND = Effect(
     shape=_shape,
     act=_act,
     besides=_besides,
+    extend=_extend,
     law=_law,
     variants=("blow",),
     comes_close=True,

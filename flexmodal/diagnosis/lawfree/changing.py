@@ -72,11 +72,11 @@ def _late(
     seen: Observations, moved: Complex[np.ndarray, "3 observation line"]
 ) -> Complex[np.ndarray, "observation line"]:
     """What is read in one posture later than it is, by the time that is nearest."""
-    recorded, weight = _recorded(seen, moved), _weight(seen)
+    recorded, weight, value = _recorded(seen, moved), _weight(seen), _value(seen)
     s = 2j * np.pi * seen.axis.frequency
 
     def far(time: float) -> float:
-        return float(np.sum(np.abs(weight * (seen.value - recorded * np.exp(-s * time))) ** 2))
+        return float(np.sum(np.abs(weight * (value - recorded * np.exp(-s * time))) ** 2))
 
     step = 0.25 / float(seen.axis.frequency[-1])
     grid = np.arange(-LATEST, LATEST + step, step)
@@ -91,7 +91,7 @@ def _scaled(
     """What is read in one posture larger or smaller than it is."""
     recorded, weight = _recorded(seen, moved), _weight(seen) ** 2
     size = max(float(np.sum(weight * np.abs(recorded) ** 2)), 1e-300)
-    return np.asarray(recorded * (float(np.sum(weight * (seen.value * recorded.conj()).real)) / size))
+    return np.asarray(recorded * (float(np.sum(weight * (_value(seen) * recorded.conj()).real)) / size))
 
 
 def _recorded(
@@ -107,6 +107,11 @@ def _weight(seen: Observations) -> Float[np.ndarray, "observation line"]:
     return np.where(seen.used, 1 / (size * np.sqrt(seen.variance + ERROR**2)), 0.0)
 
 
+def _value(seen: Observations) -> Complex[np.ndarray, "observation line"]:
+    """What was read; nothing where it is not used, whatever stands there."""
+    return np.where(seen.used, seen.value, 0.0)
+
+
 def _along(seen: Observations, axis: int) -> Observations:
     """As if all of it had been read along one axis."""
     return replace(seen, response=np.column_stack([seen.response[:, 0], np.full(len(seen), axis)]))
@@ -117,7 +122,7 @@ def _reduced(
 ) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3"]]:
     """Least squares of what some observations read over the motions, in real numbers."""
     weight = _weight(seen)[rows].ravel()
-    columns, target = (moved[:, rows].reshape(3, -1) * weight).T, seen.value[rows].ravel() * weight
+    columns, target = (moved[:, rows].reshape(3, -1) * weight).T, _value(seen)[rows].ravel() * weight
     q, r = np.linalg.qr(np.concatenate([columns.real, columns.imag]))
     return r, q.T @ np.concatenate([target.real, target.imag])
 
