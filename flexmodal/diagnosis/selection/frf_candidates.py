@@ -24,6 +24,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     NEARER,
     NOTHING_HIDDEN,
     ONCE_MORE,
+    PERFECT,
 )
 from flexmodal.diagnosis.selection.looks_beside import laws_of
 from flexmodal.diagnosis.selection.wider_laws import WiderLaws
@@ -162,14 +163,15 @@ class FrfCandidates(WiderLaws):
     ) -> list[FittedFrfs]:
         """Effects in places that leave less with free functions than any law does where the look points.
 
-        And in those that touch it. A port may be narrower than the law: a bearing's gives alike across the
-        axis.
+        And in those that touch it, if the law is not as good as the truth would be. A port may be narrower
+        than the law: a bearing's gives alike across the axis.
         """
         least = min((over_noise(self.setup, one) for one in found), default=0.0)
-        if least <= max(EXPLAINED, LAW_LEAVES * look.left):
+        if least <= PERFECT:
             return found
-        others = {(one.port, one.where) for one in look.places if one.judged < least}
-        others |= adjacent(self.setup.context, look.found[0].port, look.found[0].where)
+        others = set(adjacent(self.setup.context, look.found[0].port, look.found[0].where))
+        if least > max(EXPLAINED, LAW_LEAVES * look.left):
+            others |= {(one.port, one.where) for one in look.places if one.judged < least}
         return self.also_at(before, number, found, others)
 
     def _stuck(
