@@ -223,6 +223,33 @@ def test_a_law_that_takes_too_little_where_one_place_explains_it_is_widened(
     assert candidates.at_next_levels(root, [narrow], look) == [wider if tried else narrow]
 
 
+@pytest.mark.parametrize(
+    ("leaves", "without", "tried"),
+    [
+        (1.04, 1.0, set()),
+        (1.07, 1.0, {("bearing", "q3")}),
+        (1.9, 1.0, {("bearing", "q3")}),
+        (3.0, 1.0, {("bearing", "q3"), ("joint", "q2")}),
+        (3.0, 2.0, {("bearing", "q3")}),
+    ],
+)
+def test_what_touches_a_place_is_tried_where_its_law_leaves_more_than_the_truth(
+    fits, monkeypatch, leaves, without, tried
+):
+    """A place elsewhere only where a law leaves twice what the best function does, or twice the noise."""
+    setup, _, narrow = fits
+    asked = []
+    monkeypatch.setattr(frf_candidates, "over_noise", lambda setup, one: leaves)
+    monkeypatch.setattr(frf_candidates, "adjacent", lambda *given: frozenset({("bearing", "q3")}))
+    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
+    candidates = FrfCandidates(setup, root, with_force=False)
+    candidates.also_at = lambda before, number, found, ports: asked.append(set(ports)) or found
+    place = Mock(port="joint", where="q2", judged=2.5)
+    look = Mock(spec=Findings, found=(Mock(port="link", where="link_2"),), places=(place,), left=without)
+    assert candidates._elsewhere(root, 0, [narrow], look) == [narrow]
+    assert (asked or [set()]) == [tried]
+
+
 @pytest.mark.parametrize(("enough", "levels"), [("first", 1), ("second", 2), ("none", 2)])
 def test_a_wider_law_that_is_not_enough_gets_its_own_next_level(fits, monkeypatch, enough, levels):
     """From the nearest that it came to, until one is enough or there is no wider one."""
