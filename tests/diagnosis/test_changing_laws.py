@@ -7,7 +7,6 @@ import pytest
 
 from flexmodal.diagnosis.effects.behind_spring import BEHIND
 from flexmodal.diagnosis.effects.effect import Placement
-from flexmodal.diagnosis.effects.sensor_mass import HELD_SENSOR
 from flexmodal.diagnosis.effects.sensor_sets import SIZES, neighbours
 from flexmodal.diagnosis.effects.structural_damping import carried
 from flexmodal.diagnosis.hypothesis import Hypothesis
@@ -52,7 +51,7 @@ def test_grain_that_has_settled_is_that_of_the_rig(arm):
 @pytest.mark.parametrize("size", SIZES)
 def test_sensors_that_move_on_in_sets_are_those_of_the_rig(arm, size):
     context, observed, stand = arm
-    level = HELD_SENSOR
+    level = effect_of("sensor_mass" + NEXT)
     for _ in range(size - 1):
         level = level.next_level.effect
     bare = {"mass": 3.0, "off": 0.0, "gyration": 1e-4}

@@ -43,6 +43,7 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
 FOLLOWS = "follows"
+"""Part of the joint's angle by which all directions turn."""
 _MESH = 1 / RADIUS
 """What a shift adds to the turn that stretches the spring of the joint, about [rad/m]."""
 
@@ -135,10 +136,11 @@ def _shape(assembly: Assembly, placement: Placement) -> None:
         assembly.add_coordinates([_end(placement.where, number) for number in range(count)])
 
 
-Pulled = list[tuple[Way, float | np.ndarray]]
+_Pulled = list[tuple[Way, float | np.ndarray]]
+"""Ways, and the shares of a spring in them."""
 
 
-def _springs(placement: Placement, joint: str) -> list[tuple[Pulled, float, float]]:
+def _springs(placement: Placement, joint: str) -> list[tuple[_Pulled, float, float]]:
     """The ways that a spring pulls along with their shares, its stiffness, and its damping over that [s].
 
     Shares are numbers, or one for each system where directions turn with the joint.
@@ -148,7 +150,7 @@ def _springs(placement: Placement, joint: str) -> list[tuple[Pulled, float, floa
     if where == ALL:
         spring = placement["tilt_factor"] * size(context, joint) / TILT
         return [([(way, 1.0)], spring, time) for way in some]
-    found: list[tuple[Pulled, float, float]] = []
+    found: list[tuple[_Pulled, float, float]] = []
     for kind in dict.fromkeys(way.kind for way in some):
         along, spring = [way for way in some if way.kind == kind], placement[f"{kind}_stiffness"]
         loss = time * values.get(f"{kind}_loss_ratio", 1.0)
@@ -174,7 +176,7 @@ def _turned(placement: Placement, joint: str) -> float | np.ndarray:
     return np.asarray(follows * angles[placement.posture])
 
 
-def _along(pulled: Pulled, felt: Mapping[Way, np.ndarray]) -> Float[np.ndarray, "*system dof"]:
+def _along(pulled: _Pulled, felt: Mapping[Way, np.ndarray]) -> Float[np.ndarray, "*system dof"]:
     """What a spring is stretched by."""
     return np.asarray(sum(np.asarray(share)[..., None] * felt[way] for way, share in pulled))
 

@@ -87,14 +87,8 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     )
 
 
-def starts(context: Context, where: str, values: Mapping[str, float]) -> Sequence[Mapping[str, float]]:
-    """From the joint's spring and damper as the card has them, whatever a fit without another made of them.
-
-    Args:
-        context: of the diagnosis.
-        where: the joint.
-        values: that the narrower law was fitted with.
-    """
+def _starts(context: Context, where: str) -> Sequence[Mapping[str, float]]:
+    """From the joint as the card has it, whatever a fit without another spring made of it."""
     card, most = context.robot.joints[where], largest(context, where)
     own = {f"stiffness.{where}": float(card.stiffness), f"damping.{where}": float(card.damping)}
     return [
@@ -120,7 +114,7 @@ BEHIND = Effect(
     says="the joint's spring hardens or softens",
     places=lambda context: context.joints,
     parameters=_parameters,
-    starts=lambda context, where: starts(context, where, {}),
+    starts=_starts,
     shape=_shape,
     act=_act,
     besides=_besides,

@@ -82,6 +82,11 @@ class Level:
     starts: Callable[[Context, str, Mapping[str, float]], Sequence[Mapping[str, float]]]
     """Values to start a fit from at a place, from those that the narrower law was fitted with there."""
 
+    @classmethod
+    def anew(cls, effect: Effect) -> Level:
+        """That sets out where its law does, whatever the narrower one was fitted with."""
+        return cls(effect, lambda context, where, values: effect.starts(context, where))
+
 
 @dataclass(frozen=True, eq=False)
 class Effect:

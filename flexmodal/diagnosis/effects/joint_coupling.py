@@ -6,21 +6,24 @@ multiple of it.
 
 Halfway along the spring an idler may turn: as the mean of q₁ and r q₂ where it is slow, and by a coordinate
 of its own against both halves of the spring, with a frequency of its own. A part of the spring may relax, as
-a belt does. At its next level it is a rod between two cranks, which ties the joints differently by posture.
+a belt does. At its next level it is a rod between two cranks, which ties the joints differently by posture,
+and beyond that a belt over a roller on a spring.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.relaxation import HELD as RELAXATION_HELD
 from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
 from flexmodal.diagnosis.effects.relaxation import RELAXING, add_relaxing, relaxation
-from flexmodal.diagnosis.effects.rod import LEVEL, pairs
+from flexmodal.diagnosis.effects.rod import ROD, pairs
+from flexmodal.diagnosis.effects.tensioner import TENSIONED
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -146,5 +149,5 @@ EFFECT = Effect(
     units={"stiffness": "N·m/rad", "damping": "N·m·s/rad"},
     made_by=("coupling", "damping"),
     parts=(("inertia", "frequency", "damping_ratio", "ratio"), (*RELAXATION_PART, "ratio")),
-    next_level=LEVEL,
+    next_level=Level.anew(replace(ROD, next_level=Level.anew(TENSIONED))),
 )

@@ -15,7 +15,6 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.behind_spring import BEHIND
-from flexmodal.diagnosis.effects.behind_spring import starts as behind_starts
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.swing import PHASE, bent, largest, one_level, swing_of, typical
@@ -151,7 +150,7 @@ CURVE = Effect(
     law=_spring,
     variants=("blow",),
     comes_close=True,
-    next_level=Level(BEHIND, behind_starts),
+    next_level=Level.anew(BEHIND),
     untestable=one_level,
     physical=_hardening_physical,
     units={"cubic_stiffness": "N·m/rad³"},

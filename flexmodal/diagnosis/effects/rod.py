@@ -11,7 +11,6 @@ its energy by the joints gain T (∂Δ·∂Δ − ∂|d| ∂|d| + d·∂²Δ)/|d
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
 from itertools import combinations, product
 
@@ -19,10 +18,9 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import KEPT, Effect, Level, Placement, across, positive, signed
+from flexmodal.diagnosis.effects.effect import KEPT, Effect, Placement, across, positive, signed
 from flexmodal.diagnosis.effects.foundation import length_of
 from flexmodal.diagnosis.effects.free_function import FreeFunction
-from flexmodal.diagnosis.effects.tensioner import tensioned
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -254,5 +252,3 @@ ROD = Effect(
     extend=_extend,
     comes_close=True,
 )
-ROD = replace(ROD, next_level=tensioned(ROD))
-LEVEL = Level(ROD, lambda context, where, values: _starts(context, where))

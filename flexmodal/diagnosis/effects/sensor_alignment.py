@@ -159,13 +159,14 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     In a plane a turn of the world is one with the link.
     """
     sags = [{**values, name: way * SAGS} for name in _sags(context) for way in (1, -1)]
-    sags += [{**values, **_turned_by(values, 1.5), LOOSENS: part} for part in LOOSE]
+    loose = [{**values, **_turned_by(values, 1.5), LOOSENS: part} for part in LOOSE]
     follows = [start for part in FOLLOWED for start in ({**values, FOLLOWING: part}, {FOLLOWING: part})]
     if context.normal is not None:
         quarters = [{**values, "angle": angle} for angle in (0.0, QUARTER, -QUARTER, 2 * QUARTER)]
         return [
             values,
             *sags,
+            *loose,
             *follows,
             *({**one, MIRRORED: side} for side in (0.0, 1.0) for one in quarters),
         ]
@@ -176,6 +177,7 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     return [
         values,
         *sags,
+        *loose,
         *follows,
         *leaning,
         *({**values, **one, MIRRORED: side} for side in (0.0, 1.0) for one in cube),

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -210,12 +210,13 @@ HELD_SENSOR = Effect(
 
 def _in_sets(size: int) -> Effect:
     """So many sensors that move on together, and at the next level one more."""
-    own = replace(HELD_SENSOR, parameters=_set_parameters, shape=None, act=partial(_weigh_set, size))
-    return replace(own, next_level=None if size == SIZES[-1] else Level(_in_sets(size + 1), _set_starts))
-
-
-def _weigh_set(size: int, assembly: Assembly, placement: Placement) -> None:
-    weigh(assembly, placement, size)
+    return replace(
+        HELD_SENSOR,
+        parameters=_set_parameters,
+        shape=None,
+        act=lambda assembly, placement: weigh(assembly, placement, size),
+        next_level=None if size == SIZES[-1] else Level(_in_sets(size + 1), _set_starts),
+    )
 
 
 def _set_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
@@ -226,11 +227,10 @@ def _set_starts(context: Context, where: str, values: Mapping[str, float]) -> li
     return [{**values, "mass": share * values["mass"]} for share in (0.4, 1.0)]
 
 
-HELD_SENSOR = replace(HELD_SENSOR, next_level=Level(_in_sets(SIZES[0]), _set_starts))
 EFFECT = replace(
     HELD_SENSOR,
     parameters=_sensor_parameters,
     shape=None,
     act=_weigh,
-    next_level=Level(HELD_SENSOR, _held_starts),
+    next_level=Level(replace(HELD_SENSOR, next_level=Level(_in_sets(SIZES[0]), _set_starts)), _held_starts),
 )

@@ -218,9 +218,9 @@ def _step_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     steps += [{NOTCH[0]: depth, NOTCH[1]: middle} for depth in DEEP for middle in middles]
     steps += [{BEYOND: part, NOTCH[1]: middle, NOTCH[2]: 0.04} for part in ROCKS for middle in middles]
     steps += [{ORDER: -1.0, "mount_frequency": share * context.band[1]} for share in TAKEN_OUT]
-    drifts: list[Mapping[str, float]] = [{**values, DRIFT: drift} for drift in DRIFTS]
-    drifts += [{**alone, DROOP: droop} for droop in DROOPS]
-    return [*by_axis, *drifts, *({**one, **step} for one in (values, alone) for step in steps)]
+    drifts = [{**values, DRIFT: drift} for drift in DRIFTS]
+    droops = [{**alone, DROOP: droop} for droop in DROOPS]
+    return [*by_axis, *drifts, *droops, *({**one, **step} for one in (values, alone) for step in steps)]
 
 
 STEPPED_GAIN = Effect(

@@ -12,7 +12,8 @@ from itertools import product
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
+from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
+from flexmodal.diagnosis.effects.rod import pairs
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -38,7 +39,7 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
     )
 
 
-def _starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
     k, (low, high) = _first(context, where), context.band
     swings = np.geomspace(max(3 * low, 0.08 * high), 0.8 * high, SWINGS).tolist()
     return [
@@ -75,22 +76,13 @@ def _extend(draft: Draft, placement: Placement) -> None:
     draft.notes.append(f"the files have the belt between {one} and {other} and lack its roller, {own}")
 
 
-def tensioned(plain: Effect) -> Level:
-    """The level that holds it.
-
-    Args:
-        plain: a law of the same effect, for its name and its places.
-    """
-    return Level(
-        Effect(
-            name=plain.name,
-            says=plain.says,
-            places=plain.places,
-            parameters=_parameters,
-            starts=lambda context, where: _starts(context, where, {}),
-            shape=_shape,
-            act=_act,
-            extend=_extend,
-        ),
-        _starts,
-    )
+TENSIONED = Effect(
+    name="joint_coupling",
+    says="a mechanism couples two joints",
+    places=pairs,
+    parameters=_parameters,
+    starts=_starts,
+    shape=_shape,
+    act=_act,
+    extend=_extend,
+)

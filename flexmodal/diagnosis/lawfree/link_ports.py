@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Complex
+from jaxtyping import Complex, Float
 
 from flexmodal.diagnosis.effects import hinges, link_flexibility, link_motion
 from flexmodal.diagnosis.effects.context import Context
@@ -18,6 +18,27 @@ MOST = 28
 """Functions of a link that is cut, beyond which they are too many for what is measured."""
 
 
+END, OUTWARDS, TO_ENDS = ", ", "outwards", "to the ends"
+"""How a function of the whole link is told from that which is even along it."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Cut:
+    """What gives in one place where a link is cut."""
+
+    name: str
+    of: str
+    """The function of the whole link that is even along it."""
+    pattern: Float[np.ndarray, "dof dof"]
+    way: float
+    """How far out it is: -1 where the link begins, 1 where it ends; 0 of what is even along it alone."""
+
+
+def _grown(end: str, way: float) -> float:
+    """Legendre's polynomial by which a function of the whole link goes along it."""
+    return {"": 1.0, OUTWARDS: way, TO_ENDS: (3 * way**2 - 1) / 2}[end]
+
+
 def _link_hinges(context: Context, where: str) -> tuple[np.ndarray, np.ndarray]:
     """Where a link bends, and weights: three of Gauss's points have any compliance for a load at its end."""
     return hinges.fixed(context, where) or hinges.gauss(3)
@@ -26,7 +47,7 @@ def _link_hinges(context: Context, where: str) -> tuple[np.ndarray, np.ndarray]:
 def _link_functions(context: Context, where: str) -> tuple[str, ...]:
     planes = range(link_motion.planes_of(context))
     names = [f"bend {plane + 1}" for plane in planes]
-    own = [f"{name}{end}" for end in ("", ", outwards", ", to the ends") for name in names]
+    own = [f"{name}{end}" for end in ("", END + OUTWARDS, END + TO_ENDS) for name in names]
     shears = [f"shear {plane + 1}" for plane in planes if hinges.fixed(context, where) is not None]
     return (*own, *shears) if len(names) == 1 else (*own, f"bend 1{BETWEEN}bend 2", "twist", *shears)
 
@@ -47,24 +68,11 @@ def _link_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     Of shear Φ/k, where 1/k is the compliance of bending and Φ what its spring is softer by.
     """
     context, where = placement.context, placement.where
-    places, weights = _link_hinges(context, where)
-    planes = link_motion.planes_of(context)
-    rows = [assembly.row(name) for name in link_motion.names_of(context, where, len(places))]
-    found = np.zeros((len(_link_functions(context, where)), *(len(assembly.coordinates),) * 2))
-    for hinge, (weight, way) in enumerate(zip(weights, 2 * places - 1, strict=True)):
-        bends = rows[planes * hinge : planes * (hinge + 1)]
-        for plane, row in enumerate(bends):
-            for degree, size in enumerate((1.0, way, (3 * way**2 - 1) / 2)):
-                found[degree * planes + plane] += size * weight * np.diag(row)
-        if planes == 2:
-            found[3 * planes] += weight * outer(bends[0], bends[1], 1)[0]
-    length, _ = along(context, where)
-    for section in link_motion.sections(context, where, places):
-        for name in section.twist:
-            found[3 * planes + 1] += section.share * np.diag(assembly.row(name))
-        for k, name in enumerate(reversed(section.shears), start=1):
-            found[-k] += section.share * length**2 / 12 * np.diag(assembly.row(name))
-    return Patterns(compliance=found)
+    cuts, found = _cuts(context, where, assembly.row), []
+    for name in _link_functions(context, where):
+        whole, _, end = name.partition(END)
+        found.append(sum(_grown(end, one.way) * one.pattern for one in cuts if one.of == whole))
+    return Patterns(compliance=np.stack(found))
 
 
 def _link_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
@@ -73,10 +81,8 @@ def _link_starts(context: Context, where: str) -> tuple[tuple[float, ...], ...]:
     return tuple((*(size,) * planes, *(0.0,) * more) for size in (0.03, 0.1, 0.3, 1.0, 3.0))
 
 
-def _cuts(
-    context: Context, where: str, row: Callable[[str], np.ndarray]
-) -> list[tuple[str, str, np.ndarray, float]]:
-    """Of each place where a link is cut: a name, that for the whole link, its pattern, and how far out."""
+def _cuts(context: Context, where: str, row: Callable[[str], np.ndarray]) -> list[_Cut]:
+    """What gives in each of them."""
     places, weights = _link_hinges(context, where)
     planes, (length, _), found = link_motion.planes_of(context), along(context, where), []
     rows = [row(name) for name in link_motion.names_of(context, where, len(places))]
@@ -85,16 +91,16 @@ def _cuts(
         each = [(f"bend {plane + 1}", weight * np.diag(one)) for plane, one in enumerate(bends)]
         if planes == 2:
             each.append((f"bend 1{BETWEEN}bend 2", weight * outer(bends[0], bends[1], 1)[0]))
-        found += [(f"{name}, {hinge + 1}", name, pattern, way) for name, pattern in each]
+        found += [_Cut(f"{name}, {hinge + 1}", name, pattern, way) for name, pattern in each]
     for number, section in enumerate(link_motion.sections(context, where, places), start=1):
         slides = [(f"shear {k}", one, length**2 / 12) for k, one in enumerate(section.shears, start=1)]
         for name, one, size in (*(("twist", one, 1.0) for one in section.twist), *slides):
-            found.append((f"{name}, {number}", name, section.share * size * np.diag(row(one)), 0.0))
+            found.append(_Cut(f"{name}, {number}", name, section.share * size * np.diag(row(one)), 0.0))
     return found
 
 
 def _cut_functions(context: Context, where: str) -> tuple[str, ...]:
-    return tuple(name for name, *_ in _cuts(context, where, lambda coordinate: np.zeros(1)))
+    return tuple(one.name for one in _cuts(context, where, lambda coordinate: np.zeros(1)))
 
 
 def _cut_places(context: Context) -> tuple[str, ...]:
@@ -110,12 +116,10 @@ def _cut_begin(
     functions: Complex[np.ndarray, "function line"],
 ) -> Complex[np.ndarray, "more line"]:
     """Those of the whole link at each of the places."""
-    whole = dict(zip(_link_functions(context, where), functions, strict=True))
-    found = []
-    for _, name, _, way in _cuts(context, where, lambda coordinate: np.zeros(1)):
-        outwards, ends = (whole.get(f"{name}{end}", 0.0) for end in (", outwards", ", to the ends"))
-        found.append(whole[name] + way * outwards + (3 * way**2 - 1) / 2 * ends)
-    return np.array(found)
+    whole = [name.partition(END) for name in _link_functions(context, where)]
+    cuts = _cuts(context, where, lambda coordinate: np.zeros(1))
+    shares = [[_grown(end, one.way) * (one.of == name) for name, _, end in whole] for one in cuts]
+    return np.array(shares) @ functions
 
 
 def _compliant(functions: Callable[[Context, str], tuple[str, ...]]) -> Callable[..., np.ndarray]:
@@ -146,7 +150,7 @@ CUT = PortKind(
     unit="rad/(N·m)",
     shape=SHAPE,
     patterns=lambda assembly, placement: Patterns(
-        compliance=np.stack([one[2] for one in _cuts(placement.context, placement.where, assembly.row)])
+        compliance=np.stack([one.pattern for one in _cuts(placement.context, placement.where, assembly.row)])
     ),
 )
 """What gives in each place where a link is cut, as beside an opening."""

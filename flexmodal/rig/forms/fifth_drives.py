@@ -13,6 +13,7 @@ from flexmodal.rig.effects.effect import (
     Stand,
     drawing,
     each,
+    multiplied,
     positive,
     within,
 )
@@ -126,10 +127,6 @@ def _act_tensioner(assembly: PlantAssembly, site: Site) -> None:
     assembly.add_inertia(roller, inertia)
 
 
-def _scaled_tensioner(parameters: Parameters, s: float) -> dict[str, float]:
-    return {name: value * s if name == "stiffness" else value for name, value in parameters.items()}
-
-
 OBSERVER: Effect = replace(
     SERVO,
     form="observer",
@@ -176,7 +173,7 @@ TENSIONER: Effect = replace(
         "damping_ratio": "likewise",
     },
     draw=_draw_tensioner,
-    scaled=_scaled_tensioner,
+    scaled=multiplied("stiffness"),
     check=each(positive("stiffness", "tightness", "frequency"), within(damping_ratio=(0.0, 1.0))),
     act=_act_tensioner,
     active=False,
