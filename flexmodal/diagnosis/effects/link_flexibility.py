@@ -68,6 +68,8 @@ HARDLY = 1e-3
 """s of a link that does not sway, about."""
 SEEN = 0.01
 """s from which it is told how files have it."""
+NONE = 1e-6
+"""s below which they have no joint for it."""
 STIFFER = 10.0
 """How much stiffer against bending a link is that sways than one that bends as much, where fits start."""
 TWIST = 3.0
@@ -142,14 +144,14 @@ def _joints_at(placement: Placement, hinge: int, places: Float[np.ndarray, " hin
         for place, share in section.cuts
         if place == places[hinge]
     ]
-    sways = hinge == len(places) // 2 and SWAYS[0] in placement.values
+    halfway = hinge == len(places) // 2
     for plane, (ratio, parts) in enumerate(planes(placement)):
         side = np.sum([share * across[number] for number, share in parts], axis=0)
         end = f"{hinge + 1}" + (f"_{plane + 1}" if len(across) > 1 else "")
         bend = ratio * stiffness / shares_of(placement, plane)[hinge]
         found.append(_New(f"{link}_bend_{end}", crossed(axis, side), bend))
         found += [_New(f"{link}_shear_{end}", side, ratio * spring, slides=True) for spring in slides]
-        if sways:
+        if halfway and placement.values.get(SWAYS[plane], 0.0) > NONE:
             swaying = sideways(placement, SWAYS[plane])
             found.append(_New(f"{link}_sway_{plane + 1}", side, swaying, slides=True))
     for section, share in there:
@@ -165,6 +167,8 @@ def _extend(draft: Draft, placement: Placement) -> None:
     places, _ = bending(placement)
     if any(placement.values.get(name, 0.0) > SEEN for name in SWAYS):
         draft.notes.append(f"the files have the sway of {link} as a slide halfway along it")
+    if any(len(section.cuts) > 1 for section in sections(context, link, places)):
+        draft.notes.append(f"in the files {link} twists and shears in each place by itself, not evenly")
     for hinge, place in enumerate(places.tolist()):
         made = [replace(one, name=draft.fresh(one.name)) for one in _joints_at(placement, hinge, places)]
         slides = [one.name for one in made if one.slides]
