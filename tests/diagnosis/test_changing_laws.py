@@ -17,8 +17,8 @@ from flexmodal.rig.forms.fifth_drives import weights
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.structure import robot_space
 
+from .beside_rig import STAYS, carried_by_the_rig, ours, seen_and_simulated, theirs
 from .conftest import NEXT, effect_of
-from .test_effects import STAYS, carried_by_the_rig, ours, seen_and_simulated, theirs
 
 
 @pytest.fixture(scope="module", params=["fanuc_s360", "six_axis"])

@@ -15,6 +15,7 @@ from jaxtyping import Bool, Complex, Float
 from scipy.optimize import least_squares
 
 from flexmodal.diagnosis.effects.absorber_further import FASTER, FOOT, FURTHER
+from flexmodal.diagnosis.effects.absorber_ways import ways_of
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 
 _SETS_OUT = 12
@@ -51,26 +52,6 @@ OUTLYING = 0.3
 """From what part of the mass a line counts for less: where nothing depends on it, it may be anywhere."""
 FEW, MANY = 12, 50
 """Steps from each start, and of the best of them."""
-
-
-def ways_of(angles: Float[np.ndarray, " angle"]) -> Float[np.ndarray, "way axis"]:
-    """Directions in which an absorber gives, and the one in which it does not.
-
-    Args:
-        angles: out of the plane across the link; in space also about the link, and about the first direction.
-
-    Returns:
-        Along the link and across it; the first two give.
-    """
-    cosine, sine = np.cos(angles[0]), np.sin(angles[0])
-    if len(angles) == 1:
-        return np.array([[sine, cosine], [cosine, -sine]])
-    side = np.array([0.0, np.cos(angles[1]), np.sin(angles[1])])
-    axis = np.array([1.0, 0.0, 0.0])
-    first, second = cosine * side + sine * axis, cosine * axis - sine * side
-    third = np.cross(first, second)
-    cosine, sine = np.cos(angles[2]), np.sin(angles[2])
-    return np.array([first, cosine * second + sine * third, cosine * third - sine * second])
 
 
 def effective_mass(

@@ -6,7 +6,8 @@ alone; where it weighs next to nothing there is none. Part of the first spring m
 Maxwell element beside it, a standard linear solid's (Zener, Elasticity and Anelasticity of Metals, University
 of Chicago Press 1948).
 
-At the next level it has more modes, see `absorber_further`.
+At the next level it has more modes, see `absorber_further`; beyond that it hangs on two links, see
+`hung_across`.
 """
 
 from __future__ import annotations
@@ -32,16 +33,18 @@ from flexmodal.diagnosis.effects.absorber_further import (
     parameters_beyond,
     starts_beyond,
 )
-from flexmodal.diagnosis.effects.absorber_start import told_by, turning_by, ways_of
+from flexmodal.diagnosis.effects.absorber_start import told_by, turning_by
+from flexmodal.diagnosis.effects.absorber_ways import directions
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.attached_point import at_its_point
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, along, positive, sides, signed
+from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.free_function import FreeFunction
+from flexmodal.diagnosis.effects.hung_across import HUNG_ACROSS, NEAR, hung_starts
 from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
-from flexmodal.structure.arm import Body, crossed
+from flexmodal.structure.arm import Body
 from flexmodal.structure.assembly import Assembly
 
 HIGHEST = 1.15
@@ -104,6 +107,8 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
 
 def _told(context: Context, where: str, free: FreeFunction) -> list[dict[str, float]]:
     """Where the port sits, with an absorber whose dynamic stiffness is like its functions."""
+    if NEAR[0] in free.geometry:  # of what hangs on two links
+        return []
     return _laid(_parameters(context, where), at_its_point(context, where, free)[0] if free.turns else free)
 
 
@@ -115,6 +120,8 @@ def _laid(known: tuple[Parameter, ...], free: FreeFunction) -> list[dict[str, fl
 def _wide_told(context: Context, where: str, free: FreeFunction) -> list[dict[str, float]]:
     """The same with more modes; a port of motions alone does not say what turns."""
     known = _wide_parameters(context, where)
+    if NEAR[0] in free.geometry:
+        return []
     if not free.turns:
         turning = ({GYRATION: NO_TURN}, *lines())
         return [{**one, BELOW: 0.0, **more} for one in _laid(known, free) for more in turning]
@@ -129,18 +136,6 @@ def _wide_told(context: Context, where: str, free: FreeFunction) -> list[dict[st
         }
         for one in _laid(known, here)
     ]
-
-
-def _ways(context: Context, where: str, values: Mapping[str, float]) -> tuple[np.ndarray, ...]:
-    """The directions in which it gives and, in space, the one in which it does not, in the frame of the link.
-
-    The first is across the link, turned about it and out of that; the second is rolled about the first.
-    """
-    _, axis = along(context, where)
-    across = sides(context, where, axis)
-    names = ("angle",) if len(across) == 1 else ("angle", "turn", "roll")
-    found = ways_of(np.array([values[name] for name in names])) @ np.array([axis, *across])
-    return (*found, crossed(*found)) if len(across) == 1 else tuple(found)
 
 
 def _springs(values: Mapping[str, float]) -> tuple[tuple[float, float], ...]:
@@ -163,7 +158,7 @@ def _wide_shape(assembly: Assembly, placement: Placement) -> None:
 def _act(assembly: Assembly, placement: Placement) -> None:
     values, where = placement.values, placement.where
     axes = assembly.axes(where)
-    ways = [axes @ way for way in _ways(placement.context, where, values)]
+    ways = [axes @ way for way in directions(placement.context, where, values)]
     place = place_on(placement.context, where, values)
     motion = assembly.motion(where, place)[..., :3, :]
     carried = [np.sum(way[..., :, None] * motion, axis=-2) for way in ways]
@@ -184,13 +179,13 @@ def _act(assembly: Assembly, placement: Placement) -> None:
 
 def _below(context: Context, where: str, values: Mapping[str, float]) -> Float[np.ndarray, " 3"]:
     """Where the further mass sits, in the frame of the link [m]."""
-    least = _ways(context, where, values)[1 if context.normal is not None else 2]
+    least = directions(context, where, values)[1 if context.normal is not None else 2]
     return np.asarray(place_on(context, where, values) - values[BELOW] * least)
 
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     x, y, z = place_on(context, where, values).tolist()
-    first, second = (way.tolist() for way in _ways(context, where, values)[:2])
+    first, second = (way.tolist() for way in directions(context, where, values)[:2])
     ways = dict(zip(("dx", "dy", "dz", "across_x", "across_y", "across_z"), [*first, *second], strict=True))
     where_and_how = {"along", "beside", "above", "angle", "turn", "roll"}
     own = [one.name for one in _wide_parameters(context, where) if one.name in values]
@@ -201,7 +196,7 @@ def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict
 def _extend(draft: Draft, placement: Placement) -> None:
     values, name = placement.values, f"{placement.where}_absorber"
     place = place_on(placement.context, placement.where, values)
-    first, second, least = _ways(placement.context, placement.where, values)
+    first, second, least = directions(placement.context, placement.where, values)
     *springs, apart = _springs(values)
     part = Body(values["mass"], place, np.zeros((3, 3)))
     for joint, spring in zip(
@@ -237,5 +232,6 @@ WIDE = Effect(
     physical=_physical,
     extend=_extend,
     units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},
+    next_level=Level(HUNG_ACROSS, hung_starts),
 )
 EFFECT = replace(WIDE, parameters=_parameters, shape=_shape, told=_told, next_level=Level(WIDE, _wide_starts))

@@ -13,7 +13,9 @@ from flexmodal.diagnosis.effects.added_mass import SUNK, SUNKEN, place_on, sunk
 from flexmodal.diagnosis.effects.attached_point import MIDDLE, lever_of
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
-from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, tensor, tensor_names
+from flexmodal.diagnosis.effects.hung_across import clip_motions, clips
+from flexmodal.diagnosis.effects.hung_across import places as hung_places
+from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, outer, tensor, tensor_names
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
@@ -150,4 +152,40 @@ GROUND = replace(
     functions=world_functions,
     shape=replace(BODY.shape, parameters=lambda context, where: (*_place(context, where), SUNKEN)),
     patterns=_ground_patterns,
+)
+
+
+def _across_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    """Of the mean motion of both clips, by the axes of the link, and of half of that between them."""
+    near, far = clip_motions(assembly, placement)
+    axes, count = assembly.axes(placement.where), len(placement.posture)
+    ways = [axes @ way for way in link_ways(placement.context, placement.where)]
+    means, apart = (
+        [np.sum(way[..., :, None] * half, axis=-2) for way in ways]
+        for half in ((near + far) / 2, (near - far) / 2)
+    )
+    other = np.sum([outer(row, row, count) for row in apart], axis=0)
+    return Patterns(np.concatenate([tensor(means, count), other[None]]))
+
+
+def _across_sizes(context: Context, where: str, frequency: np.ndarray) -> np.ndarray:
+    size = ATTACHED * context.arm_mass * (2 * np.pi * frequency) ** 2
+    return np.repeat(size[None], len(_across_functions(context, where)), axis=0)
+
+
+def _across_functions(context: Context, where: str) -> tuple[str, ...]:
+    return (*_body_functions(context, where), "apart")
+
+
+ACROSS = replace(
+    BODY,
+    name="across",
+    says="something that hangs on two links, across the joint between them",
+    places=hung_places,
+    functions=_across_functions,
+    sizes=_across_sizes,
+    shape=replace(
+        BODY.shape, parameters=lambda context, where: (*_place(context, where), *clips(context, where))
+    ),
+    patterns=_across_patterns,
 )

@@ -1,6 +1,6 @@
 """The ports that a law-free look tries."""
 
-from flexmodal.diagnosis.lawfree.body_ports import ATTACHED_BODY, BODY, GROUND
+from flexmodal.diagnosis.lawfree.body_ports import ACROSS, ATTACHED_BODY, BODY, GROUND
 from flexmodal.diagnosis.lawfree.carried_ports import CARRIED
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, BEARING
 from flexmodal.diagnosis.lawfree.joint_ports import BALANCER, COUPLING, DAMPING, JOINT, ROD, TORQUE
@@ -9,7 +9,7 @@ from flexmodal.diagnosis.lawfree.reading_ports import BLOWS, CHANNEL, HAMMER, NO
 
 KINDS = (JOINT, DAMPING, COUPLING, BASE, BEARING, LINK, BODY, GROUND, CARRIED, SENSOR, HAMMER, CHANNEL, BLOWS)
 """For FRFs that do not depend on the force of the blow; otherwise `TORQUE` besides."""
-RARE = (ROD, BALANCER, ATTACHED_BODY)
+RARE = (ROD, BALANCER, ATTACHED_BODY, ACROSS)
 """Tried where none of these explains what is missing."""
 
 __all__ = ["KINDS", "NOTHING", "RARE", "TORQUE"]

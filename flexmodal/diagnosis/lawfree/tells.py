@@ -20,7 +20,7 @@ from flexmodal.diagnosis.lawfree.result import Curve, Found, Loss
 
 WHATEVER = ("carried", "damping", "joint", "link")
 """Kinds of port whose functions of no known class are that of their only effect, too."""
-BODIES = ("body", "ground")
+BODIES = ("body", "ground", "across")
 """Those of bodies, which may be a mass or an absorber."""
 OF_CLASS = (*BODIES, *WHATEVER)
 """Those that are told by a class. At joints springs, dampers and masses are the robot's own."""

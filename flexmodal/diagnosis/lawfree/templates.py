@@ -199,6 +199,7 @@ _OF = {
     "carried": (_MASS, _SPRING, _BOTH, _HELD, _ABSORBER),
     "ground": (_SPRING, _DAMPER, _BOTH, _MASS, _RELAXATION),
     "body": (_MASS, _SPRING, _BOTH, _ABSORBER),
+    "across": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "attached": (_MASS, _SPRING, _BOTH, _ABSORBER),
     "sensor": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH, _MOUNT, _STEP),
     "hammer": (_GAIN, _SLOPE, _PHASE, _DELAY, _GAIN_DELAY, _LOW, _TURN, _HIGH, _MOUNT),

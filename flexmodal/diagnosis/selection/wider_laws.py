@@ -133,13 +133,16 @@ class WiderLaws(SearchesBeside):
     def wider(self, model: FittedFrfs, keys: Collection[tuple[str, str]]) -> list[FittedFrfs]:
         """The model with the next level of some of its effects, in turn, fitted closely; the best first.
 
+        Levels go on until one clearly leaves nothing: another effect may stand for what is left.
+
         Args:
             model: with effects.
             keys: names and places of the ones.
         """
         able = [one.key for one in model.hypothesis.placed if one.effect.next_level is not None]
         turned = [with_last(model, key) for key in able if key in keys]
-        return best_of_each(self._at_next_level(turned, SetOut([])))
+        given = partial(at_next_level, set_out=SetOut([]), is_enough=self._is_clear)
+        return best_of_each([more for one in turned for more in given(self.setup, one)])
 
     def _at_next_level(
         self, models: Sequence[FittedFrfs], set_out: SetOut, *, unsure: bool = False
@@ -147,6 +150,9 @@ class WiderLaws(SearchesBeside):
         """Models with the next level of their last effects."""
         given = partial(at_next_level, set_out=set_out, is_enough=self.is_enough, unsure=unsure)
         return [more for one in models for more in given(self.setup, one)]
+
+    def _is_clear(self, model: FittedFrfs) -> bool:
+        return over_noise(self.setup, model) <= CLOSE
 
     def is_enough(self, model: FittedFrfs) -> bool:
         """Whether it leaves nothing; what its effects come close to for little has to leave less."""

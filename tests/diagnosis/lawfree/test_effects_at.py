@@ -5,7 +5,7 @@ import pytest
 from flexmodal.diagnosis.lawfree.effects_at import PORT_OF, WIDE, holds
 
 
-@pytest.mark.parametrize("port", ["attached", "ground"])
+@pytest.mark.parametrize("port", ["attached", "ground", "across"])
 def test_what_is_not_alike_every_way_holds_what_a_mass_does(port):
     """And more than its narrow law: a load on a rope has to move up and down alone."""
     mass = (PORT_OF["added_mass"], "link_3")

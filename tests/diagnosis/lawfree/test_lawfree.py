@@ -11,7 +11,7 @@ from flexmodal.diagnosis.effects import Context, catalogue, rod
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree import at_parameters, screening
 from flexmodal.diagnosis.lawfree.at_parameters import AtParameters
-from flexmodal.diagnosis.lawfree.body_ports import ATTACHED_BODY, BODY, GROUND
+from flexmodal.diagnosis.lawfree.body_ports import ACROSS, ATTACHED_BODY, BODY, GROUND
 from flexmodal.diagnosis.lawfree.carried_ports import CARRIED
 from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, BEARING
@@ -51,6 +51,7 @@ PLACES = [
     (BODY, "link_3"),
     (ATTACHED_BODY, "link_2"),
     (GROUND, "link_2"),
+    (ACROSS, "link_2"),
     (CARRIED, "sensor"),
     (SENSOR, None),
 ]
