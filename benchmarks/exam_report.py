@@ -27,7 +27,7 @@ PHYSICS = {
 }
 AUTHORS = {
     "blind": "an author", "further": "a second author", "third": "a third author",
-    "fourth": "a fourth author", "fifth": "a fifth author",
+    "fourth": "a fourth author", "fifth": "a fifth author", "sixth": "a sixth author",
 }  # fmt: skip
 PHYSICS |= {
     which: f"The virtual rig, effects in forms by {author} who did not know how the diagnosis works, on "

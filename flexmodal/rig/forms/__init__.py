@@ -37,6 +37,10 @@ from flexmodal.rig.forms import (
     sensor_mass,
     sensors,
     servo_compliance,
+    sixth_bodies,
+    sixth_drives,
+    sixth_joints,
+    sixth_sensors,
     structural_damping,
     third_bodies,
     third_drives,
@@ -55,6 +59,7 @@ for _room in (
     further_sensors, third_bodies, third_drives, third_joints, third_sensors,
     fourth_bodies, fourth_drives, fourth_joints, fourth_sensors,
     fifth_bodies, fifth_drives, fifth_joints, fifth_sensors,
+    sixth_bodies, sixth_drives, sixth_joints, sixth_sensors,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect

@@ -147,6 +147,22 @@ FORM_SETS: dict[str, dict[str, tuple[str, ...]]] = {
         "sensor_misalignment": ("loosening",),
         "bearing_flexibility": ("fork",),
     },
+    "sixth": {
+        "link_flexibility": ("socket",),
+        "base_flexibility": ("floor",),
+        "servo_compliance": ("torque_arm",),
+        "structural_damping": ("warming",),
+        "coulomb_friction": ("nested",),
+        "nonlinear_stiffness": ("worm",),
+        "joint_coupling": ("tool_held",),
+        "added_mass": ("jacket",),
+        "local_absorber": ("swivel",),
+        "sensor_mass": ("pads",),
+        "sensor_gain": ("battery",),
+        "time_delay": ("restarted",),
+        "sensor_misalignment": ("clip",),
+        "bearing_flexibility": ("by_load",),
+    },
 }
 """By name of the set, then of the effect: its forms there.
 
@@ -155,5 +171,6 @@ FORM_SETS: dict[str, dict[str, tuple[str, ...]]] = {
 - `unseen`: written when the diagnosis was done; docs/diagnosis_accuracy.md says which of them have been
   looked into since.
 - `later`: likewise, once those before had been met and what they showed was mended.
-- `blind`, `further`, `third`, `fourth`, `fifth`: by one author each who did not know how the diagnosis works.
+- `blind`, `further`, `third`, `fourth`, `fifth`, `sixth`: by one author each who did not know how the
+  diagnosis works.
 """
