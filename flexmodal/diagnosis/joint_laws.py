@@ -22,6 +22,8 @@ AMPLITUDES = 40
 def joint_laws(diagnosis: Diagnosis) -> Iterator[tuple[tuple[str, str], Swung]]:
     """Each effect of the final model that has a law: name and place, and the joint swung to and fro.
 
+    Of a spring behind the joint's own that spring alone, as far as the joint's swing takes it.
+
     Args:
         diagnosis: of a campaign of FRFs or of modes.
     """
@@ -32,10 +34,15 @@ def joint_laws(diagnosis: Diagnosis) -> Iterator[tuple[tuple[str, str], Swung]]:
             continue
         context, own = model.context, model.values_of(one, values)
         assembly = Assembly(context.arms[0])
-        laws = one.effect.law(assembly, Placement.still(context, one.where, own))
+        placement, share = Placement.still(context, one.where, own), 1.0
+        if one.effect.shape is not None:
+            one.effect.shape(assembly, placement)
+        laws = one.effect.law(assembly, placement)
         card = context.robot.joints[one.where]
         stiffness = float(values.get(f"stiffness.{one.where}", card.stiffness))
+        if one.effect.behind is not None:
+            stiffness, share = one.effect.behind(placement)
         size, speed = typical(context, one.where)
-        most = largest(context, one.where)
+        most = share * largest(context, one.where)
         if size > 0 and most > 0:
             yield one.key, swung(laws, stiffness, np.geomspace(0.01, 1.0, AMPLITUDES) * most, speed / size)

@@ -26,9 +26,11 @@ def known():
 
 
 def effect_of(name):
-    """An effect, at its first level or its next."""
-    effect = known()[name.removesuffix(NEXT)]
-    return effect.next_level.effect if name.endswith(NEXT) else effect
+    """An effect, at its first level, its next, or one beyond that for each time that is said."""
+    effect = known()[name.partition(NEXT)[0]]
+    for _ in range(name.count(NEXT)):
+        effect = effect.next_level.effect
+    return effect
 
 
 @pytest.fixture(scope="module")

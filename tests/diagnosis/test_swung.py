@@ -7,6 +7,7 @@ import pytest
 
 from flexmodal.diagnosis.effects.dry_friction import dahl, levelling
 from flexmodal.diagnosis.effects.nonlinear_stiffness import hardened
+from flexmodal.diagnosis.effects.swing import largest
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.joint_laws import joint_laws
 from flexmodal.diagnosis.outcome import Diagnosis
@@ -66,9 +67,15 @@ def test_slow_friction_goes_by_the_speed():
 
 
 @pytest.mark.parametrize(
-    "name", ["coulomb_friction", "coulomb_friction" + NEXT, "nonlinear_stiffness" + NEXT]
+    ("name", "softer"),
+    [
+        ("coulomb_friction", None),
+        ("coulomb_friction" + NEXT, None),
+        ("nonlinear_stiffness" + NEXT, None),
+        ("nonlinear_stiffness" + NEXT + NEXT, 0.5),
+    ],
 )
-def test_a_report_tells_what_was_found_in_a_joint(context, name):
+def test_a_report_tells_what_was_found_in_a_joint(context, name, softer):
     joint = context.joints[0]
     robot = Hypothesis(context, robot_space(context.robot))
     model = robot.and_also(Placed(effect_of("added_mass"), context.links[-1])).and_also(
@@ -76,8 +83,12 @@ def test_a_report_tells_what_was_found_in_a_joint(context, name):
     )
     diagnosis = Mock(spec=Diagnosis, model=model, x=np.zeros(len(model.space)))
     ((key, swing),) = joint_laws(diagnosis)
-    assert key == (name.removesuffix(NEXT), joint)
-    assert swing.straight == context.robot.joints[joint].stiffness
+    assert key == (name.partition(NEXT)[0], joint)
+    own, most = context.robot.joints[joint].stiffness, largest(context, joint)
+    if softer is None:
+        assert (swing.straight, swing.amplitude[-1]) == pytest.approx((own, most))
+    else:  # a spring behind, which takes a third of the swing
+        assert (swing.straight, swing.amplitude[-1]) == pytest.approx((own / softer, most / 3))
     assert np.isfinite(swing.torque).all()
     assert (swing.loss_factor.max() > 0.01) == name.startswith("coulomb")
     figure = draw_swing(swing, "a joint")

@@ -58,6 +58,11 @@ def _besides(assembly: Assembly, placement: Placement) -> None:
     assembly.add_damper(hub, placement[TIME] * behind)
 
 
+def _share(placement: Placement) -> float:
+    """What of the joint's swing the spring behind takes, by the two compliances."""
+    return placement[SOFTER] / (1 + placement[SOFTER])
+
+
 def _law(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
     behind, bend = _own(placement)[0], placement[DEFLECTION]
     more, wound = placement[CHANGE] * behind, placement[WOUND] * bend
@@ -65,12 +70,11 @@ def _law(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
-    """With the spring as a swing sees it that gives it its share by the two compliances."""
+    """With the spring as a swing sees it that gives it its share."""
     _besides(assembly, placement)
-    share = placement[SOFTER] / (1 + placement[SOFTER])
     (law,) = _law(assembly, placement)
     top, bend, wound, at_rest, over, *_ = law.parameters
-    seen = bent(share * swing_of(placement)[0] / bend, over / bend, wound / bend)
+    seen = bent(_share(placement) * swing_of(placement)[0] / bend, over / bend, wound / bend)
     assembly.add_spring(law.row, top * seen + at_rest)
 
 
@@ -117,6 +121,7 @@ BEHIND = Effect(
     starts=_starts,
     shape=_shape,
     act=_act,
+    behind=lambda placement: (_own(placement)[0], _share(placement)),
     besides=_besides,
     extend=_extend,
     law=_law,

@@ -116,6 +116,9 @@ class Effect:
     law: Callable[[Assembly, Placement], Sequence[Law]] | None = None
     """The torques themselves where they depend on the swing; `act` is then their stand-in at one amplitude,
     for the search, and they take its place where blows are integrated in time (`time_domain`)."""
+    behind: Callable[[Placement], tuple[float, float]] | None = None
+    """Where the law is that of another spring than the joint's: the stiffness that is linear beside it, and
+    what of the joint's swing it takes."""
     besides: Callable[[Assembly, Placement], None] | None = None
     """What of `act` stays there then, as it depends on no swing."""
     turn: Callable[[Assembly, Placement, str, np.ndarray], np.ndarray] | None = None

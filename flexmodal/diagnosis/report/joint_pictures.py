@@ -15,7 +15,8 @@ from flexmodal.report.figure import DASHED, INK, NARROW, PALETTE, SOFT, drawing,
 _NOTE = (
     "The joint with what was found in it, swung steadily to and fro at the frequency at which it swings "
     "most, up to its largest swing under a blow of the campaign, and a third as far. Dashed: its straight "
-    "spring alone. Stiffness and loss factor are those of the first harmonic, its own damper left out."
+    "spring alone. Stiffness and loss factor are those of the first harmonic, its own damper left out. "
+    "Of a spring behind the joint's own that spring is drawn."
 )
 
 
