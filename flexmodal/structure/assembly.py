@@ -236,10 +236,10 @@ class Assembly:
         Args:
             kind: "mass", "damping" or "stiffness".
             rows: [*posture row dof] over the coordinates; those added later are 0 in them.
-            sizes: [row] of each; units as in `add_inertia`, `add_damper` and `add_spring`.
+            sizes: [row] of each, or [*posture row]; units as in `add_inertia`, `add_damper` and `add_spring`.
             *names: parameters that all are proportional to.
         """
-        self._add(kind, np.swapaxes(rows, -1, -2) @ (sizes[:, None] * rows), names)
+        self._add(kind, np.swapaxes(rows, -1, -2) @ (sizes[..., :, None] * rows), names)
 
     def _add(self, kind: str, matrix: np.ndarray, names: tuple[str, ...]) -> None:
         self._terms.append((kind, matrix, names))

@@ -166,7 +166,7 @@ def test_a_belt_over_a_roller_on_a_spring_is_that_of_the_rig(arm):
         "belt_stiffness": belt, "belt_ratio": -0.7, "tightness": 0.8, "roller_frequency": 30.0,
         "roller_damping_ratio": 0.05,
     }  # fmt: skip
-    law = effect_of("joint_coupling" + NEXT).next_level.effect
+    law = effect_of("joint_coupling" + 3 * NEXT)
     found = ours(context, observed, law, where, values)
     of_rig = {"stiffness": belt, "ratio": -0.7, "tightness": 0.8, "frequency": 30.0, "damping_ratio": 0.05}
     other = theirs(observed, stand, "joint_coupling", where, of_rig, "tensioner")

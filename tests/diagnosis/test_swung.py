@@ -5,7 +5,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.effects.dry_friction import dahl, levelling
+from flexmodal.diagnosis.effects.friction_felt import dahl, levelling
 from flexmodal.diagnosis.effects.nonlinear_stiffness import hardened
 from flexmodal.diagnosis.effects.swing import largest
 from flexmodal.diagnosis.hypothesis import Hypothesis

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from flexmodal.diagnosis.effects.dry_friction import dahl, levelling, mean_load
+from flexmodal.diagnosis.effects.friction_felt import dahl, levelling, mean_load
 from flexmodal.diagnosis.effects.nonlinear_stiffness import AS_NARROW, FAR, bent, hardened
 from flexmodal.diagnosis.time_domain.integration import Steps, Struck, integrate, loop_of, torques
 from flexmodal.diagnosis.time_domain.law import (

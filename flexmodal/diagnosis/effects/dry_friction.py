@@ -6,11 +6,13 @@ element beside the first, of other limit and stiffness: the smallest of Iwan's m
 after the other (Journal of Applied Mechanics 33, 1966). What it slips at may grow with what the joint
 carries, as that of a gear does. And what rubs may be a cylinder's seal, whose lever turns with the joint, or
 lie behind the joint's spring, as a clamp that slips: beside it the spring is softer by a part of its own.
+Beyond that the shafts of two joints in a row run one in the other, and what rubs is how one turns against the
+other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -18,73 +20,11 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
-from flexmodal.diagnosis.effects.swing import PHASE, one_level, swing_of, typical
+from flexmodal.diagnosis.effects.friction_felt import dahl, levelling, mean_load
+from flexmodal.diagnosis.effects.swing import one_level, swing_of, typical
 from flexmodal.diagnosis.time_domain.law import Law, friction, linear, slow_friction
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
-
-_STEPS, _CLOSED = 50, 1e-15
-"""Most steps to where a loop closes, and what it may miss by."""
-_STICKS = 1e-6
-"""Of the elongation at which friction slides, up to which it is a spring."""
-
-
-def dahl(
-    amplitude: Float[np.ndarray, "*many"],
-    torque: float | Float[np.ndarray, "*many"],
-    presliding: float,
-    exponent: float = 1.0,
-) -> tuple[Float[np.ndarray, "*many"], Float[np.ndarray, "*many"]]:
-    """Stiffness and loss (torque a radian, in and out of phase) of Dahl's friction at an amplitude.
-
-    On the way up from −A the part of the way to sliding that is left, r = 1 − F/F_c, falls as
-    dr/dq = −(σ/F_c) rⁱ; where it starts follows from that loops close. One that hardly swings
-    sticks: what it does there stands for all smaller amplitudes.
-
-    Args:
-        amplitude: of the swing [rad].
-        torque: F_c, at which the joint slides [N·m].
-        presliding: σ, stiffness while it sticks [N·m/rad].
-        exponent: i; 1 approaches sliding exponentially.
-    """
-    amplitude = np.maximum(amplitude, _STICKS * np.asarray(torque) / presliding)
-    size = np.minimum(presliding * amplitude / torque, 300.0)
-    power = 1 - exponent
-
-    def left(start: np.ndarray, way: np.ndarray) -> np.ndarray:
-        if abs(power) < 1e-9:
-            return np.asarray(start * np.exp(-way))
-        return np.asarray(np.maximum(start**power - power * way, 0.0) ** (1 / power))
-
-    start = _closing(left, size, exponent)
-    q = -np.cos(PHASE)  # from −A to A
-    most = np.asarray(torque)[..., None]
-    force = most * (1 - left(start[..., None], size[..., None] * (q + 1)))
-    stiffness = 2 / len(PHASE) * np.sum(force * q, axis=-1) / amplitude
-    loss = 2 / len(PHASE) * np.sum(force * np.sin(PHASE), axis=-1) / amplitude
-    return stiffness, loss
-
-
-def _closing(
-    left: Callable[[np.ndarray, np.ndarray], np.ndarray], size: Float[np.ndarray, "*many"], exponent: float
-) -> Float[np.ndarray, "*many"]:
-    """Where r starts so that it ends at 2 − r: at 1 + F₀/F_c and 1 − F₀/F_c, by Newton's method in a bracket.
-
-    With r′ = −rⁱ the derivative of the end along the start is (end / start)ⁱ.
-    """
-    low, high = np.ones_like(size), np.full_like(size, 2.0)
-    start = np.full_like(size, 1.5)
-    for _ in range(_STEPS):
-        end = left(start, 2 * size)
-        missed = start + end - 2
-        low, high = np.where(missed < 0, start, low), np.where(missed < 0, high, start)
-        nearer = start - missed / (1 + (end / start) ** exponent)
-        inside = (nearer >= low) & (nearer <= high)
-        start = np.where(inside, nearer, (low + high) / 2)
-        if np.all(np.abs(missed) <= _CLOSED):
-            break
-    return start
-
 
 _FRICTION = ("torque", "presliding_stiffness", "exponent", "stiction", "stribeck_speed")
 _SLOW = ("slow_torque", "slow_speed")
@@ -102,6 +42,9 @@ LEAST = 1e-9
 """Lever over the crank at least: at dead centre in all postures it has none."""
 _ANGLES = tuple(np.array([-5, -4, -3, -2, 1, 2, 3, 4, 5]) * np.pi / 6)
 """Of the crank in the middle, from which fits set out [rad]."""
+_NESTED, NESTS = "nested", (0.3, 0.8)
+"""What turns against a joint's shaft of the next joint's, over what that joint turns by; and sizes from which
+fits start, over where both springs are even."""
 _SPEED = 0.7
 """Of the largest speed of a swing, where friction takes most of its energy."""
 
@@ -147,9 +90,27 @@ def lever_of(placement: Placement) -> Float[np.ndarray, "*system"]:
 
 
 def _drawn(assembly: Assembly, placement: Placement, arm: np.ndarray) -> Float[np.ndarray, "*system dof"]:
-    """The row of what rubs, by its lever."""
+    """The row of what rubs, by its lever; of shafts in one another what one turns against the other."""
     row = assembly.stretch_of(placement.where)
+    if _NESTED in placement.values:
+        return np.asarray(row - placement[_NESTED] * assembly.stretch_of(_beside(placement)))
     return np.asarray(arm[:, None] * row) if _LEVER[0] in placement.values else row
+
+
+def beside(context: Context, where: str) -> str | None:
+    """The joint after one, or before it where it is the last; None where it is alone.
+
+    Args:
+        context: of the diagnosis.
+        where: which.
+    """
+    order = list(context.joints)
+    at = order.index(where)
+    return next(iter(order[at + 1 : at + 2] or order[max(at - 1, 0) : at]), None)
+
+
+def _beside(placement: Placement) -> str:
+    return str(beside(placement.context, placement.where))
 
 
 def _carried(placement: Placement) -> tuple[float, float]:
@@ -163,30 +124,6 @@ def _lost(placement: Placement) -> float:
     """By how much the joint's spring is softer where it slips [N·m/rad]."""
     stiffness = float(placement.context.robot.joints[placement.where].stiffness)
     return placement.values.get(_SLIPS, 0.0) * stiffness
-
-
-def mean_load(amplitude: Float[np.ndarray, "*many"], wound: float) -> Float[np.ndarray, "*many"]:
-    """Of |q + u₀| over the way from −A to A, so that what is lost in a turn is right.
-
-    Args:
-        amplitude: A [rad].
-        wound: u₀ [rad].
-    """
-    within = np.maximum(np.maximum(amplitude, abs(wound)), 1e-300)  # else it is |u₀| all the way
-    return np.asarray(np.where(amplitude > abs(wound), (within**2 + wound**2) / (2 * within), abs(wound)))
-
-
-def levelling(speed: Float[np.ndarray, "*many"], torque: float, slow: float) -> Float[np.ndarray, "*many"]:
-    """Damping that a swing feels of T tanh(v/v_t).
-
-    Args:
-        speed: largest in the swing [rad/s].
-        torque: T [N·m].
-        slow: v_t [rad/s].
-    """
-    wave, most = np.sin(PHASE), np.maximum(speed, 1e-12 * slow)
-    felt = np.tanh(most[..., None] * wave / slow)
-    return np.asarray(2 / len(PHASE) * torque * np.sum(felt * wave, axis=-1) / most)
 
 
 def _rubbing(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
@@ -276,6 +213,26 @@ def _bristle_starts(context: Context, where: str, values: Mapping[str, float]) -
     return [*found, *({**held, **none, **one} for one in arms)]
 
 
+def _nested_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+    even = _even(context, where)
+    return (*_friction_parameters(context, where), signed(_NESTED, "", 0.5 * even, -5 * even, 5 * even))
+
+
+def _even(context: Context, where: str) -> float:
+    """√(k'/k) of the joint beside one and of it."""
+    joints, other = context.robot.joints, str(beside(context, where))
+    return float(np.sqrt(joints[other].stiffness / joints[where].stiffness))
+
+
+def _nested_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    own = [one.name for one in _friction_parameters(context, where)]
+    kept = {name: values[name] for name in own}
+    ratios = [sign * size * _even(context, where) for size in NESTS for sign in (1, -1)]
+    return [
+        {**kept, "torque": size * kept["torque"], _NESTED: ratio} for ratio in ratios for size in (1.0, 2.0)
+    ]
+
+
 BRISTLES = Effect(
     name="coulomb_friction",
     says="the joint has dry friction",
@@ -288,9 +245,18 @@ BRISTLES = Effect(
     untestable=one_level,
     physical=lambda context, where, values: {
         name: values[name]
-        for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND, *_CARRIED, *_LEVER, _SLIPS)
+        for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND, *_CARRIED, *_LEVER, _SLIPS, _NESTED)
         if name in values
     },
     sticks=True,
 )
-EFFECT = replace(BRISTLES, parameters=_friction_parameters, next_level=Level(BRISTLES, _bristle_starts))
+NESTED = replace(
+    BRISTLES,
+    places=lambda context: tuple(one for one in context.joints if beside(context, one) is not None),
+    parameters=_nested_parameters,
+)
+EFFECT = replace(
+    BRISTLES,
+    parameters=_friction_parameters,
+    next_level=Level(replace(BRISTLES, next_level=Level(NESTED, _nested_starts)), _bristle_starts),
+)

@@ -6,8 +6,8 @@ multiple of it.
 
 Halfway along the spring an idler may turn: as the mean of q₁ and r q₂ where it is slow, and by a coordinate
 of its own against both halves of the spring, with a frequency of its own. A part of the spring may relax, as
-a belt does. At its next level it is a rod between two cranks, which ties the joints differently by posture,
-and beyond that a belt over a roller on a spring.
+a belt does. At its next level it is a rod between two cranks, which ties the joints differently by posture;
+beyond that what holds the tool along a direction does, and then a belt over a roller on a spring.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
+from flexmodal.diagnosis.effects.held_tool import HELD_TOOL
 from flexmodal.diagnosis.effects.relaxation import HELD as RELAXATION_HELD
 from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
 from flexmodal.diagnosis.effects.relaxation import RELAXING, add_relaxing, relaxation
@@ -136,6 +137,7 @@ def _extend(draft: Draft, placement: Placement) -> None:
         draft.notes.append(f"the files have the spring between {one} and {other} and lack {found}")
 
 
+_HELD = replace(HELD_TOOL, next_level=Level.anew(TENSIONED))
 EFFECT = Effect(
     name="joint_coupling",
     says="a mechanism couples two joints",
@@ -149,5 +151,5 @@ EFFECT = Effect(
     units={"stiffness": "N·m/rad", "damping": "N·m·s/rad"},
     made_by=("coupling", "damping"),
     parts=(("inertia", "frequency", "damping_ratio", "ratio"), (*RELAXATION_PART, "ratio")),
-    next_level=Level.anew(replace(ROD, next_level=Level.anew(TENSIONED))),
+    next_level=Level.anew(replace(ROD, next_level=Level.anew(_HELD))),
 )

@@ -7,7 +7,7 @@ Maxwell element beside it, a standard linear solid's (Zener, Elasticity and Anel
 of Chicago Press 1948).
 
 At the next level it has more modes, see `absorber_further`; beyond that it hangs on two links, see
-`hung_across`.
+`hung_across`, or turns on a swivel, see `swivel`.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positiv
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.hung_across import HUNG_ACROSS, NEAR, hung_starts
 from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing
+from flexmodal.diagnosis.effects.swivel import SWIVEL
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.arm import Body
@@ -232,6 +233,6 @@ WIDE = Effect(
     physical=_physical,
     extend=_extend,
     units={"stiffness": "N/m", "x": "m", "y": "m", "z": "m"},
-    next_level=Level(HUNG_ACROSS, hung_starts),
+    next_level=Level(replace(HUNG_ACROSS, next_level=Level.anew(SWIVEL)), hung_starts),
 )
 EFFECT = replace(WIDE, parameters=_parameters, shape=_shape, told=_told, next_level=Level(WIDE, _wide_starts))

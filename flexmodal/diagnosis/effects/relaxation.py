@@ -37,7 +37,7 @@ def add_relaxing(
     row: np.ndarray,
     end: np.ndarray,
     stiffness: float,
-    time: float,
+    time: float | Float[np.ndarray, " system"],
     highest: float,
     *names: str,
 ) -> None:
@@ -48,7 +48,7 @@ def add_relaxing(
         row: elongation of both.
         end: of the damper alone, a coordinate of its own.
         stiffness: of the spring [N/m, N·m/rad].
-        time: in which it relaxes [s].
+        time: in which it relaxes, the same in every system or one for each [s].
         highest: end of the band [Hz].
         names: parameters of the robot that all of it is proportional to.
     """
@@ -60,7 +60,7 @@ def add_all_relaxing(
     rows: Float[np.ndarray, "*posture spring dof"],
     ends: Float[np.ndarray, "spring dof"],
     stiffness: Float[np.ndarray, " spring"],
-    time: float,
+    time: float | Float[np.ndarray, " system"],
     highest: float,
     *names: str,
 ) -> None:
@@ -71,10 +71,11 @@ def add_all_relaxing(
         rows: elongations.
         ends: of the dampers alone, coordinates of their own.
         stiffness: of the springs [N/m, N·m/rad].
-        time: in which they relax [s].
+        time: in which they relax, likewise [s].
         highest: end of the band [Hz].
         names: parameters of the robot that all of it is proportional to.
     """
+    damping = stiffness * np.asarray(time)[..., None]
     assembly.add_together("stiffness", rows - ends, stiffness, *names)
-    assembly.add_together("damping", ends, stiffness * time, *names)
-    assembly.add_together("mass", ends, LIGHT * stiffness * time / (2 * np.pi * highest), *names)
+    assembly.add_together("damping", ends, damping, *names)
+    assembly.add_together("mass", ends, LIGHT * damping / (2 * np.pi * highest), *names)

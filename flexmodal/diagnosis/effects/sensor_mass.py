@@ -4,7 +4,8 @@ It sits off the surface, and a part of its cable is taped to the link. At the ne
 that gives, equally each way, while what is measured moves with the surface, or a part of it does, as of a
 sensor that a hand presses on, or as of one whose cable stands out along the link and whips, which gives
 across that alone; and its cable hangs in the air and holds it, as a spring and a damper to the
-surroundings, or is laid along the arm down to the base, a line of mass on each link. Beyond that several may
+surroundings, or is laid along the arm down to the base, a line of mass on each link. Pads for it may stay
+on every point. Beyond that several may
 move on together, see `sensor_sets`. ISO 5348 (mounting of
 accelerometers); McConnell and Varoto, Vibration Testing, 2nd ed., Wiley 2008, chapter 4 (cables).
 """
@@ -41,6 +42,9 @@ WHIPS, STANDS_OUT = (0.1, 0.2, 0.4), 0.1
 """Frequencies of a cable that whips, from which fits start, over the end of the band, and how far out [m]."""
 STIFFER = 30.0
 """Frequency along the link over that across it of what whips."""
+PADS, PADDED, SMALLER = "pads", (0.1, 0.4), (0.5, 1.0)
+"""Mass of a pad that stays on every point where a sensor has been or will be, over the sensor's, from which
+fits start; and the sensor's, over that of one without pads."""
 COORDINATES = tuple(f"sensor mount {axis}" for axis in "xyz")
 """Of the mass against the surface."""
 
@@ -101,6 +105,7 @@ def _held_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive("line_mass", "kg/m", 1e-4 * mass, 2.0, 1e-7 * mass, 3 * mass),
         positive("along_ratio", "", 1.0, 1.5, 0.2, 1e3),
         signed("off_along", "m", 0.05, -0.4, 0.4),
+        positive(PADS, "of the sensor", 1e-4, 2.5, 1e-7, 3.0),
     )
 
 
@@ -126,7 +131,8 @@ def _held_starts(context: Context, where: str, values: Mapping[str, float]) -> l
         for out in (STANDS_OUT, -STANDS_OUT)
     ]
     mounts = [{**values, "mount_frequency": share * high} for share in MOUNTS]
-    return [*hung, *mounts, *laid, *pressed, *whipping]
+    padded = [{**values, PADS: share, "mass": size * values["mass"]} for share in PADDED for size in SMALLER]
+    return [*hung, *mounts, *laid, *pressed, *whipping, *padded]
 
 
 def _whole_length(context: Context) -> float:
@@ -180,6 +186,10 @@ def _held(assembly: Assembly, placement: Placement) -> None:
     assembly.add_spring(along_it, mass * own**2 * (stiffer**2 - 1))
     assembly.add_damper(along_it, 2 * placement["mount_damping_ratio"] * mass * own * (stiffer - 1))
     _lay(assembly, placement)
+    for number in sorted({number for number, _ in placement.context.responses}):
+        point = placement.context.point(number)
+        pad = assembly.motion(point.link, np.array(point.xyz))[..., :3, :]
+        assembly.add_together("mass", pad, np.full(3, placement[PADS] * mass))
 
 
 def _along_link(assembly: Assembly, placement: Placement) -> np.ndarray:

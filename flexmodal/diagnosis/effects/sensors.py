@@ -63,6 +63,9 @@ DRIFT = "drift"
 """By how much ln of what it reads grows from the first posture to the last, as the sensor warms."""
 DRIFTS = (-0.3, 0.3)
 """From which fits start."""
+BEND, BENDS = "drift_bend", (0.4, 1.0, 3.0)
+"""Power of how much of the campaign is over by which it does so: above 1 ever faster, as on a battery that
+runs down; where fits start."""
 DROOP, NULL = "droop", "droop_null"
 """What ln of the readings lacks at the band's end without a lag, as behind running means that nobody
 equalised, their delay taken out; and where these let nothing through, over the band's end."""
@@ -94,7 +97,7 @@ def _gain(placement: Placement, axis: Axis) -> np.ndarray:
     passed = np.log1p(corner + placement["high_pass_order"] * corner**2)
     drift = placement.values.get(DRIFT, 0.0)
     if drift:
-        size = size + (drift * placement.progress)[:, None]
+        size = size + (drift * placement.progress ** placement[BEND])[:, None]
     step: np.ndarray | float = 0.0
     if STEP in placement.values:
         over = s / (2 * np.pi * placement[STEP_AT])
@@ -198,6 +201,7 @@ def _step_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         signed(BEYOND, "", 0.05, -10.0, 10.0),
         signed(ORDER, "", 0.3, -1.2, 1.2, centre=1.0),
         signed(DRIFT, "", 0.1, -3.0, 3.0),
+        positive(BEND, "", 1.0, 0.7, 0.1, 10.0),
         signed(DROOP, "", 0.1, -2.0, 3.0),
         positive(NULL, "of the band's end", 4.0, 0.7, 1.1, 50.0),
     )
@@ -218,7 +222,7 @@ def _step_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     steps += [{NOTCH[0]: depth, NOTCH[1]: middle} for depth in DEEP for middle in middles]
     steps += [{BEYOND: part, NOTCH[1]: middle, NOTCH[2]: 0.04} for part in ROCKS for middle in middles]
     steps += [{ORDER: -1.0, "mount_frequency": share * context.band[1]} for share in TAKEN_OUT]
-    drifts = [{**values, DRIFT: drift} for drift in DRIFTS]
+    drifts = [{**values, DRIFT: drift, BEND: bend} for drift in DRIFTS for bend in BENDS]
     droops = [{**alone, DROOP: droop} for droop in DROOPS]
     return [*by_axis, *drifts, *droops, *({**one, **step} for one in (values, alone) for step in steps)]
 

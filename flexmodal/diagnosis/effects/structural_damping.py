@@ -33,6 +33,12 @@ have gears and others run directly."""
 
 BY_LOAD, BY_LOADS = "by_load", (-10.0, -2.0, 1.0)
 """How much more a joint loses that carries the largest weight, or over how much less; where fits start."""
+WARMING, WARMINGS = "warming", (0.3, 3.0)
+"""How many times as fast a part relaxes in the last posture as in the first; where fits start."""
+WIDTH, WIDTHS = "relaxation_width", (0.7, 1.4)
+"""Standard deviation of ln of the times in which it relaxes, as a bell; where fits start."""
+BELL = np.array([-(3**0.5), 0.0, 3**0.5]), np.array([1, 4, 1]) / 6
+"""Places and weights of three elements for a bell: Gauss's and Hermite's rule."""
 
 
 def _ratio(joint: str) -> str:
@@ -65,13 +71,33 @@ def _pressed(placement: Placement, joint: str) -> float | Float[np.ndarray, " sy
     return np.asarray(1 + by * load if by > 0 else 1 / (1 - by * load))
 
 
+def _time(placement: Placement) -> float | Float[np.ndarray, " system"]:
+    """In which a part relaxes, in each system where grease warms in the course of the test [s]."""
+    quicker = placement.values.get(WARMING, 1.0)
+    if quicker == 1.0:
+        return placement["relaxation_time"]
+    return np.asarray(placement["relaxation_time"] / quicker**placement.progress)
+
+
+def _ends(placement: Placement, joint: str) -> list[tuple[str, float, float]]:
+    """What relaxes in a joint: coordinates, their part of it, and ln of their time over the middle one."""
+    width = placement.values.get(WIDTH)
+    if width is None:
+        return [(f"{joint} relaxing", 1.0, 0.0)]
+    return [
+        (f"{joint} relaxing {number}", part, at * width)
+        for number, (at, part) in enumerate(zip(*BELL, strict=True), start=1)
+    ]
+
+
 def _shape(assembly: Assembly, placement: Placement) -> None:
-    assembly.add_coordinates([f"{joint} relaxing" for joint in placement.context.robot.joints])
+    joints = placement.context.robot.joints
+    assembly.add_coordinates([name for joint in joints for name, *_ in _ends(placement, joint)])
 
 
 def _act(assembly: Assembly, placement: Placement) -> None:
     assembly.loss_factor = placement["loss_factor"]
-    part, time = placement["relaxing"], placement["relaxation_time"]
+    part, time = placement["relaxing"], _time(placement)
     for joint, card in placement.context.robot.joints.items():
         name, stretch = f"stiffness.{joint}", assembly.stretch_of(joint)
         viscous = placement.values.get(f"damping.{joint}", float(card.damping))
@@ -79,8 +105,10 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         assembly.add_damper(stretch, (placement["viscous"] - 1.0) * viscous, f"damping.{joint}")
         loss = placement.values.get(_ratio(joint), 1.0) * _pressed(placement, joint)
         assembly.add_loss(stretch, loss * stiffness, name)
-        end = assembly.row(f"{joint} relaxing")
-        add_relaxing(assembly, stretch, end, part * stiffness, time, placement.context.band[1], name)
+        for end, share, later in _ends(placement, joint):
+            relaxes, then = share * part * stiffness, time * float(np.exp(later))
+            high = placement.context.band[1]
+            add_relaxing(assembly, stretch, assembly.row(end), relaxes, then, high, name)
 
 
 def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
@@ -97,11 +125,31 @@ def _parameters(context: Context, where: str) -> tuple[Parameter, ...]:
 
 
 def _uneven(context: Context, where: str) -> tuple[Parameter, ...]:
-    return (*_with_ratios(context, UNEVEN, LEAST), signed(BY_LOAD, "at the largest load", 1.0, -50.0, 20.0))
+    return (
+        *_with_ratios(context, UNEVEN, LEAST),
+        signed(BY_LOAD, "at the largest load", 1.0, -50.0, 20.0),
+        positive(WARMING, "of its rate in the first posture", 1.0, 1.0, 0.02, 50.0),
+    )
 
 
 def _wider_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
-    return [values, *({**values, BY_LOAD: by} for by in BY_LOADS)]
+    warming = [
+        {**values, **one, WARMING: times}
+        for one in _starts(context, where)
+        if "relaxing" in one
+        for times in WARMINGS
+    ]
+    return [values, *({**values, BY_LOAD: by} for by in BY_LOADS), *warming]
+
+
+def _bell(context: Context, where: str) -> tuple[Parameter, ...]:
+    return (*_uneven(context, where), positive(WIDTH, "", 0.7, 0.7, 0.01, 4.0))
+
+
+def _bell_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
+    """From where one time did best; with all that is lost in what relaxes too."""
+    alone = {**values, "loss_factor": 1e-3, "relaxing": 2 * values["relaxing"]}
+    return [{**one, WIDTH: width} for one in (values, alone) for width in WIDTHS]
 
 
 def _with_ratios(context: Context, deviation: float, least: float) -> tuple[Parameter, ...]:
@@ -146,4 +194,9 @@ WIDE = Effect(
     hides_in=("damping.",),
     parts=(RELAXATION_PART,),
 )
-EFFECT = replace(WIDE, parameters=_parameters, next_level=Level(WIDE, _wider_starts))
+IN_BELLS = replace(WIDE, parameters=_bell)
+EFFECT = replace(
+    WIDE,
+    parameters=_parameters,
+    next_level=Level(replace(WIDE, next_level=Level(IN_BELLS, _bell_starts)), _wider_starts),
+)

@@ -23,12 +23,12 @@ PORT_OF: Mapping[str, str] = {
 """The kind of port that each effect of the catalogue sits at."""
 _WIDER = {
     "channel": "sensor", "blows": "hammer", "coupling": "joint", "rod": "coupling",
-    "balancer": "coupling", "attached": "body", "ground": "body", "across": "body",
+    "balancer": "coupling", "held": "coupling", "attached": "body", "ground": "body", "across": "body",
 }  # fmt: skip
 """Kinds of port that can do whatever one of another kind in the same place can."""
 WIDE = {wide for wide, held in _WIDER.items() if wide not in PORT_OF.values() and held in PORT_OF.values()}
-"""Kinds of port that do what the narrow law of an effect cannot, but a wider one can: a rod, what turns, what
-is not alike in every direction of the world, what hangs on two links."""
+"""Kinds of port that do what the narrow law of an effect cannot, but a wider one can: a rod, what holds the
+tool, what turns, what is not alike in every direction of the world, what hangs on two links."""
 HIDE = ("coupling",)
 """Kinds whose effects have a wider law that no port of one function shows, if its ratio changes."""
 DOES_MUCH = ("base",)

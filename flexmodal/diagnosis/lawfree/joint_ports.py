@@ -8,6 +8,8 @@ import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.effects.held_tool import directions, directions_tried, held
+from flexmodal.diagnosis.effects.held_tool import stiffness_of as tool_stiffness
 from flexmodal.diagnosis.effects.rod import cranks, cranks_tried, pairs, stiffness_of, stretch, tightened
 from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, constant, outer, tensor
 from flexmodal.structure.assembly import Assembly
@@ -91,6 +93,22 @@ BALANCER = replace(
     ROD, name="balancer", says="a stretched spring between two links", patterns=_balancer_patterns
 )
 """Without a length of its own, so that it pulls as much as it is long."""
+
+
+def _held_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    row = held(assembly, placement)
+    return Patterns(outer(row, row, len(placement.posture))[None])
+
+
+HELD = replace(
+    ROD,
+    name="held",
+    says="what holds the tool along a direction by two joints",
+    sizes=lambda context, where, frequency: constant([tool_stiffness(context, where)], frequency),
+    shape=replace(STILL, parameters=directions),
+    geometries=directions_tried,
+    patterns=_held_patterns,
+)
 
 
 def _damping_patterns(assembly: Assembly, placement: Placement) -> Patterns:

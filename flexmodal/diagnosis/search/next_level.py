@@ -49,7 +49,9 @@ def at_next_level(
     """
     narrow = model.hypothesis.placed[-1]
     level = narrow.effect.next_level
-    if level is None or narrow.where not in level.effect.places(setup.context):
+    while level is not None and narrow.where not in level.effect.places(setup.context):
+        level = level.effect.next_level
+    if level is None:
         return []
     hypothesis = model.hypothesis.without(narrow.key).and_also(Placed(level.effect, narrow.where))
     values = model.hypothesis.values_of(narrow, model.hypothesis.space.values(model.x))

@@ -237,12 +237,12 @@ class FrfsByLook(Data[FittedFrfs]):
     def by_function(
         self, model: FittedFrfs, tried: Sequence[FittedFrfs], hardly: Collection[tuple[str, str]] = ()
     ) -> tuple[FittedFrfs, Mapping[tuple[str, str], float]] | None:
-        """See `Data`: of places that explain everything without a law, where no law does so."""
+        """See `Data`: of places that explain everything, where no law does; by posture none is told then."""
         if self.asked is not None:
             return None
         looks = self._candidates.looks
         done = explains(self, model) and not self.is_contradicted(model)
-        if done and looks.one.lone is None:
+        if done and (looks.one.lone is None or looks.one.lone.changes is not None):
             return None
         look = looks.one if looks.one.explains else looks.several
         told = told_of(look)

@@ -71,7 +71,7 @@ LATE = np.exp(-2j * np.pi * 1e-3)
 @pytest.mark.parametrize(
     ("what", "effect"),
     [
-        (lambda posture, moved: moved, "sensor_misalignment"),  # as recorded, a turn by nothing
+        (lambda posture, moved: moved, "sensor_gain"),  # as recorded, a factor of one
         (lambda posture, moved: np.einsum("ab,bl->al", TURNS[posture], moved), "sensor_misalignment"),
         (
             lambda posture, moved: np.einsum("ab,bl->al", -TURNS[posture], moved),

@@ -17,7 +17,7 @@ from flexmodal.diagnosis.lawfree.curve import classes_of, curve_of
 from flexmodal.diagnosis.lawfree.elastic_ports import BASE, BEARING
 from flexmodal.diagnosis.lawfree.findings import summed_up
 from flexmodal.diagnosis.lawfree.geometries import placed_best
-from flexmodal.diagnosis.lawfree.joint_ports import BALANCER, COUPLING, DAMPING, JOINT, ROD, TORQUE
+from flexmodal.diagnosis.lawfree.joint_ports import BALANCER, COUPLING, DAMPING, HELD, JOINT, ROD, TORQUE
 from flexmodal.diagnosis.lawfree.kinds import KINDS, NOTHING
 from flexmodal.diagnosis.lawfree.link_ports import CUT, LINK
 from flexmodal.diagnosis.lawfree.look import Field
@@ -46,6 +46,7 @@ PLACES = [
     (COUPLING, "q1+q2"),
     (ROD, "q1+q3"),
     (BALANCER, "q1+q3"),
+    (HELD, "q1+q3"),
     (BASE, "base"),
     (LINK, "link_2"),
     (BODY, "link_3"),
