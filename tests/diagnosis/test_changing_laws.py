@@ -8,7 +8,7 @@ import pytest
 from flexmodal.diagnosis.effects.behind_spring import BEHIND
 from flexmodal.diagnosis.effects.effect import Placement
 from flexmodal.diagnosis.effects.sensor_sets import SIZES, neighbours
-from flexmodal.diagnosis.effects.structural_damping import carried
+from flexmodal.diagnosis.effects.weight import carried
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.diagnosis.placed import Placed

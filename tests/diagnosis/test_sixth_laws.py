@@ -7,12 +7,17 @@ import pytest
 
 from flexmodal.diagnosis.effects.absorber_ways import directions
 from flexmodal.diagnosis.effects.added_mass import place_on
+from flexmodal.diagnosis.effects.bearing import frame_of, ways
 from flexmodal.diagnosis.effects.dry_friction import beside
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
 from flexmodal.diagnosis.effects.free_function import FreeFunction
 from flexmodal.diagnosis.effects.held_tool import HELD_TOOL, stiffness_of
 from flexmodal.diagnosis.effects.swivel import SWIVEL
 from flexmodal.diagnosis.improved.draft import Draft
+from flexmodal.model.placements import link_placements
+from flexmodal.rig.effects.bearing_flexibility import frame
+from flexmodal.rig.forms.sixth_joints import load_on
+from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.geometry import across
 from flexmodal.structure.assembly import Assembly
 from flexmodal.structure.structure import Axis
@@ -164,3 +169,42 @@ def test_a_battery_runs_down_ever_faster(arm):
         read = law.read(placement, axis)
         expected = -0.6 * (np.arange(count) / (count - 1)) ** bend
         np.testing.assert_allclose((read - read[0]).real, np.outer(expected, np.ones(len(axis))), atol=1e-12)
+
+
+def test_a_bearing_that_carries_more_is_stiffer_as_that_of_the_rig(arm):
+    """Whose angles are counted from another direction across the joint's axis."""
+    context, observed, stand = arm
+    where = context.joints[1]
+    law, shift = effect_of("bearing_flexibility" + NEXT), 4e6
+    values = {one.name: one.value(0.0) for one in law.parameters(context, where)}
+    springs = {"radial_stiffness": shift, "damping_time": 3e-4, "relaxing": 1e-8, "ratio": 1.0}
+    springs |= {"tilt_stiffness": 2e5, "axial_stiffness": 2 * shift} if context.normal is None else {}
+    loads = {"preload": 0.05, "tooth_radius": 0.09, "tooth_angle": 0.7}
+    values = {**{name: one for name, one in values.items() if name == "offset"}, **springs, **loads}
+    found = ours(context, observed, law, where, values)
+    from_rigs = turned_from_the_rigs(context, stand, where)
+    assemblies = [PlantAssembly(stand.robot.at(dict(posture.q))) for posture in observed.postures]
+    mesh = 0.7 - from_rigs
+    most = max(load_on(one, stand, where, 0.09, mesh) for one in assemblies)
+    own = {
+        "radial_stiffness": shift,
+        "damping_time": 3e-4,
+        "tilt_stiffness": 2e5,
+        "axial_stiffness": 2 * shift,
+    }
+    of_rig = {**own, "radius": 0.09, "mesh": mesh, "load": most, "preload": 0.05}
+    other = theirs(observed, stand, "bearing_flexibility", where, of_rig, "by_load")
+    np.testing.assert_allclose(found, other, rtol=1e-4, atol=1e-7 * np.abs(other).max())
+    firm = ours(context, observed, law, where, {**values, "preload": 1e3})
+    assert off(firm, other).max() > 0.02
+
+
+def turned_from_the_rigs(context, stand, joint):
+    """Angle about the axis of a joint from the rig's first direction across it to ours."""
+    posture = dict(stand.plan.postures[0].q)
+    axes = frame(PlantAssembly(stand.robot.at(posture)), joint)
+    parent = context.robot.urdf.joint_by_name[joint].parent
+    placed = link_placements(context.robot, posture)[parent][:3, :3]
+    first = next(way.vector for way in ways(context, joint) if way.kind == "radial")
+    ours_ = axes.T @ (placed @ frame_of(context, joint) @ first)
+    return -float(np.arctan2(ours_[1], ours_[0]))

@@ -46,8 +46,13 @@ class Way:
         return f"{self.kind} {self.number}"
 
 
-def _frame(context: Context, joint: str) -> Float[np.ndarray, "3 3"]:
-    """Axes of the joint in the carrying link."""
+def frame_of(context: Context, joint: str) -> Float[np.ndarray, "3 3"]:
+    """Axes of the joint in the carrying link.
+
+    Args:
+        context: of the diagnosis.
+        joint: its name.
+    """
     still, described = link_placements(context.robot, {}), context.robot.urdf.joint_by_name[joint]
     return still[described.parent][:3, :3].T @ still[described.child][:3, :3]
 
@@ -146,7 +151,7 @@ def add_ways(assembly: Assembly, placement: Placement, *, turning: bool = False)
         if turning:
             axes = assembly.axes(described.child)
         else:
-            axes = assembly.axes(described.parent) @ _frame(context, joint)
+            axes = assembly.axes(described.parent) @ frame_of(context, joint)
         motion = np.zeros((*axes.shape[:-2], 6, len(some)))
         for k, way in enumerate(some):
             motion[..., 3 * way.turns : 3 * way.turns + 3, k] = axes @ way.vector

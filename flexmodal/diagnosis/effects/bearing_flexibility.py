@@ -7,9 +7,10 @@ alike, each tilts on a multiple of its own stiffness, and nothing relaxes.
 
 At the next level tilts have principal directions of their own, as on two bearings in different housings, and
 each kind of motion its own loss; all directions may turn with the carried link, as of a shaft that is not
-round, or by a part of the joint's angle, as of a cage of rollers. And the spring of the joint is stretched by
+round, or by a part of the joint's angle, as of a cage of rollers; and all springs may be the stiffer the more
+the bearing carries, see `weight`. And the spring of the joint is stretched by
 shifts of the bearing besides, as where a pinion drives: a mesh gives along its line of action (Kahraman and
-others, ASME Journal of Mechanical Design 114, 1992), so that the drive pushes aside what the bearing carries.
+others, ASME J. Mechanical Design 114, 1992), so that the drive pushes aside what the bearing carries.
 """
 
 from __future__ import annotations
@@ -38,12 +39,15 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.relaxation import HELD, RELAXING, add_all_relaxing, relaxation
 from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
+from flexmodal.diagnosis.effects.weight import PRELOAD, loaded, loaded_starts, stiffer
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
 FOLLOWS = "follows"
 """Part of the joint's angle by which all directions turn."""
+FIRM = 10.0
+"""Preload over the largest load from which a bearing is as stiff in every posture but for three per cent."""
 _MESH = 1 / RADIUS
 """What a shift adds to the turn that stretches the spring of the joint, about [rad/m]."""
 
@@ -92,7 +96,7 @@ def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         return _parameters(context, where)
     kinds = {way.kind for way in ways(context, where)}
     found = [positive("second_loss_ratio", "", 1.0, 0.7, 0.02, 50.0)]
-    found.append(signed(FOLLOWS, "of the joint's angle", 0.5, -1.2, 1.2))
+    found += [signed(FOLLOWS, "of the joint's angle", 0.5, -1.2, 1.2), *loaded()]
     found += [signed(name, "rad/m", _MESH / 2, -10 * _MESH, 10 * _MESH) for name in _mesh(context, where)]
     if "tilt" in kinds:
         found += [positive(f"{kind}_loss_ratio", "", 1.0, 0.7, 0.02, 50.0) for kind in ("radial", "axial")]
@@ -116,7 +120,8 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     turned = [{"tilt_ratio": ratio, "tilt_angle": angle} for ratio in (0.3, 3.0) for angle in (0.0, 0.8)]
     across = [name for name, way in _mesh(context, where).items() if way.kind == "radial"]
     turned += [{name: sign * _MESH} for name in across for sign in (1, -1)]
-    return [known, {**known, "ratio": 1 / values["ratio"]}, *({**known, **one} for one in turned + turning)]
+    more = [*turned, *turning, *loaded_starts()]
+    return [known, {**known, "ratio": 1 / values["ratio"]}, *({**known, **one} for one in more)]
 
 
 def _mesh(context: Context, where: str) -> dict[str, Way]:
@@ -195,7 +200,8 @@ def _act(assembly: Assembly, placement: Placement) -> None:
         along = np.stack(
             list(np.broadcast_arrays(*(_along(pulled, felt) for pulled, *_ in springs))), axis=-2
         )
-        stiffness = np.array([spring for _, spring, _ in springs])
+        factor = np.asarray(stiffer(placement, joint))[..., None]
+        stiffness = factor * np.array([spring for _, spring, _ in springs])
         assembly.add_together("stiffness", along, stiffness)
         assembly.add_together("damping", along, stiffness * np.array([loss for *_, loss in springs]))
         if where != ALL:
@@ -238,14 +244,19 @@ def _extend(draft: Draft, placement: Placement) -> None:
             springs.append((name, stiffness, loss))
         if motions:
             draft.under_joint(joint, motions, offset * axis)
+        factor = float(np.ravel(stiffer(placement, joint))[0])
         for name, stiffness, loss in springs:
-            draft.flexible(name, stiffness, stiffness * loss)
+            draft.flexible(name, factor * stiffness, factor * stiffness * loss)
         if where != ALL:
             _driven(draft, placement, motions, offset * axis)
     if placement.values.get(FOLLOWS, 0.0):
         draft.notes.append(
             f"the files have the springs of the bearing of {where} as they lie in the first posture; they "
             f"turn by {placement[FOLLOWS]:.3g} of its angle"
+        )
+    if placement.values.get(PRELOAD, FIRM) < FIRM:
+        draft.notes.append(
+            f"the files have the bearing of {where} as stiff as under its load in the first posture"
         )
     if placement.values.get("relaxing", 0.0) > HELD:
         draft.notes.append(

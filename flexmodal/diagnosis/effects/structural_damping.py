@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -22,9 +21,9 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.relaxation import HELD, add_relaxing, relaxation
 from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
+from flexmodal.diagnosis.effects.weight import carried
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
-from flexmodal.structure.arm import bodies_of
 from flexmodal.structure.assembly import Assembly
 
 UNEVEN, LEAST = 1.6, 1e-3
@@ -43,23 +42,6 @@ BELL = np.array([-(3**0.5), 0.0, 3**0.5]), np.array([1, 4, 1]) / 6
 
 def _ratio(joint: str) -> str:
     return f"loss_ratio_{joint}"
-
-
-@lru_cache(maxsize=16)
-def carried(context: Context) -> Mapping[str, Float[np.ndarray, " posture"]]:
-    """What each joint holds against the weight of the robot, as believed, over the most that any does.
-
-    Args:
-        context: whose postures.
-    """
-    assembly = Assembly(context.stacked)
-    bodies = bodies_of(context.robot.urdf).items()
-    raised = np.sum(
-        [body.mass * assembly.motion(link, body.centre)[..., 2, :] for link, body in bodies], axis=0
-    )
-    found = {joint: np.abs(raised[..., assembly.number(joint)]) for joint in context.robot.joints}
-    most = max(float(one.max()) for one in found.values())
-    return {joint: one / most if most > 0 else one for joint, one in found.items()}
 
 
 def _pressed(placement: Placement, joint: str) -> float | Float[np.ndarray, " system"]:
