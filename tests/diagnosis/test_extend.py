@@ -86,7 +86,7 @@ def drawn(context, placed, seed):
     for k, parameter in enumerate(hypothesis.space):  # what no file holds
         coupling = parameter.name.startswith("joint_coupling@")
         if (coupling and parameter.name.endswith((".inertia", "_time"))) or parameter.name.endswith(
-            ("relaxing", ".integral", ".lag", ".wheel", "sway")
+            ("relaxing", ".integral", ".lag", ".wheel", "sway", ".loaded")
         ):
             x[k] = low[k]
         if parameter.name.endswith(".belt"):

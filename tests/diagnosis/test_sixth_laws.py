@@ -179,7 +179,7 @@ def test_a_bearing_that_carries_more_is_stiffer_as_that_of_the_rig(arm):
     values = {one.name: one.value(0.0) for one in law.parameters(context, where)}
     springs = {"radial_stiffness": shift, "damping_time": 3e-4, "relaxing": 1e-8, "ratio": 1.0}
     springs |= {"tilt_stiffness": 2e5, "axial_stiffness": 2 * shift} if context.normal is None else {}
-    loads = {"preload": 0.05, "tooth_radius": 0.09, "tooth_angle": 0.7}
+    loads = {"loaded": 20.0, "tooth_radius": 0.09, "tooth_angle": 0.7}
     values = {**{name: one for name, one in values.items() if name == "offset"}, **springs, **loads}
     found = ours(context, observed, law, where, values)
     from_rigs = turned_from_the_rigs(context, stand, where)
@@ -195,7 +195,7 @@ def test_a_bearing_that_carries_more_is_stiffer_as_that_of_the_rig(arm):
     of_rig = {**own, "radius": 0.09, "mesh": mesh, "load": most, "preload": 0.05}
     other = theirs(observed, stand, "bearing_flexibility", where, of_rig, "by_load")
     np.testing.assert_allclose(found, other, rtol=1e-4, atol=1e-7 * np.abs(other).max())
-    firm = ours(context, observed, law, where, {**values, "preload": 1e3})
+    firm = ours(context, observed, law, where, {**values, "loaded": 0.0})
     assert off(firm, other).max() > 0.02
 
 

@@ -39,15 +39,15 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.relaxation import HELD, RELAXING, add_all_relaxing, relaxation
 from flexmodal.diagnosis.effects.relaxation import PART as RELAXATION_PART
-from flexmodal.diagnosis.effects.weight import PRELOAD, loaded, loaded_starts, stiffer
+from flexmodal.diagnosis.effects.weight import LOADED, loaded, loaded_starts, stiffer
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
 FOLLOWS = "follows"
 """Part of the joint's angle by which all directions turn."""
-FIRM = 10.0
-"""Preload over the largest load from which a bearing is as stiff in every posture but for three per cent."""
+SEEN = 0.03
+"""Load over preload from which it is told how files have it."""
 _MESH = 1 / RADIUS
 """What a shift adds to the turn that stretches the spring of the joint, about [rad/m]."""
 
@@ -254,10 +254,8 @@ def _extend(draft: Draft, placement: Placement) -> None:
             f"the files have the springs of the bearing of {where} as they lie in the first posture; they "
             f"turn by {placement[FOLLOWS]:.3g} of its angle"
         )
-    if placement.values.get(PRELOAD, FIRM) < FIRM:
-        draft.notes.append(
-            f"the files have the bearing of {where} as stiff as under its load in the first posture"
-        )
+    if placement.values.get(LOADED, 0.0) > SEEN:
+        draft.notes.append(f"the files have the bearing of {where} as its load in the first posture has it")
     if placement.values.get("relaxing", 0.0) > HELD:
         draft.notes.append(
             f"the files have the bearing of {where} and lack what relaxes: {placement['relaxing']:.3g} of "

@@ -59,7 +59,7 @@ def add_all_relaxing(
     assembly: Assembly,
     rows: Float[np.ndarray, "*posture spring dof"],
     ends: Float[np.ndarray, "spring dof"],
-    stiffness: Float[np.ndarray, " spring"],
+    stiffness: Float[np.ndarray, "*system spring"],
     time: float | Float[np.ndarray, " system"],
     highest: float,
     *names: str,
@@ -70,7 +70,7 @@ def add_all_relaxing(
         assembly: to which they are added.
         rows: elongations.
         ends: of the dampers alone, coordinates of their own.
-        stiffness: of the springs [N/m, N·m/rad].
+        stiffness: of the springs, likewise in all systems or in each [N/m, N·m/rad].
         time: in which they relax, likewise [s].
         highest: end of the band [Hz].
         names: parameters of the robot that all of it is proportional to.

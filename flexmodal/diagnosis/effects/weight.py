@@ -15,11 +15,11 @@ from flexmodal.structure import Parameter
 from flexmodal.structure.arm import beyond, bodies_of
 from flexmodal.structure.assembly import Assembly
 
-PRELOAD, TOOTH, MESH = "preload", "tooth_radius", "tooth_angle"
-"""Of a bearing that is stiffer the more it carries: what presses it anyway, over the most that it carries;
-how far off the tooth is that holds up the weight beyond, and where it stands."""
-LIGHT, NEAR = 0.1, 0.1
-"""Preload and radius [m] from which fits start, at some angles."""
+LOADED, TOOTH, MESH = "loaded", "tooth_radius", "tooth_angle"
+"""Of a bearing that is stiffer the more it carries: the most that it carries over what presses it anyway; how
+far off the tooth is that holds up the weight beyond, and where it stands."""
+MUCH, NEAR = 10.0, 0.1
+"""Load and radius [m] from which fits start, at some angles."""
 ANGLES = 6
 
 
@@ -51,9 +51,9 @@ def carried(context: Context) -> Mapping[str, Float[np.ndarray, " posture"]]:
 
 
 def loaded() -> tuple[Parameter, ...]:
-    """Of a bearing that is stiffer under load, hardly so unless the data ask for it."""
+    """Of a bearing that is stiffer under load, not at all unless the data ask for it."""
     return (
-        positive(PRELOAD, "of the largest load", 30.0, 2.0, 1e-3, 1e3),
+        signed(LOADED, "of the preload", 5.0, 0.0, 1e3),
         positive(TOOTH, "m", NEAR, 0.7, 0.01, 2.0),
         signed(MESH, "rad", 2.0, -3.2, 3.2),
     )
@@ -62,7 +62,7 @@ def loaded() -> tuple[Parameter, ...]:
 def loaded_starts() -> list[dict[str, float]]:
     """With little preload, the tooth anywhere about the joint."""
     angles = (np.arange(ANGLES) * 2 * np.pi / ANGLES - np.pi).tolist()
-    return [{PRELOAD: LIGHT, TOOTH: NEAR, MESH: angle} for angle in angles]
+    return [{LOADED: MUCH, TOOTH: NEAR, MESH: angle} for angle in angles]
 
 
 def stiffer(placement: Placement, joint: str) -> float | Float[np.ndarray, " system"]:
@@ -75,12 +75,12 @@ def stiffer(placement: Placement, joint: str) -> float | Float[np.ndarray, " sys
         placement: of the effect.
         joint: whose bearing; 1 where the law knows of no load.
     """
-    preload = placement.values.get(PRELOAD)
-    if preload is None:
+    by = placement.values.get(LOADED, 0.0)
+    if not by:
         return 1.0
     load = _load(placement, joint)
     most = max(float(load.max()), 1e-12)
-    return np.asarray((((load / most + preload) / (1 + preload)) ** (1 / 3))[placement.posture])
+    return np.asarray((((1 + by * load / most) / (1 + by)) ** (1 / 3))[placement.posture])
 
 
 def _load(placement: Placement, joint: str) -> Float[np.ndarray, " posture"]:
