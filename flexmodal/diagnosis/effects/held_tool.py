@@ -7,7 +7,7 @@ d (Salisbury, Proc. 19th IEEE Conf. Decision and Control, 1980, 95): another rat
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import combinations, product
+from itertools import product
 
 import numpy as np
 from jaxtyping import Float
@@ -16,7 +16,7 @@ from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
 from flexmodal.diagnosis.effects.foundation import motions
 from flexmodal.diagnosis.effects.free_function import FreeFunction
-from flexmodal.diagnosis.effects.rod import pairs, size_of
+from flexmodal.diagnosis.effects.rod import pairs, size_of, tie
 from flexmodal.diagnosis.improved.draft import Draft
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -116,11 +116,7 @@ def _extend(draft: Draft, placement: Placement) -> None:
     assembly, joints = Assembly(placement.context.stacked), placement.where.split("+")
     rows = held(assembly, placement)
     added = placement["held_stiffness"] * np.einsum("pi,pj->ij", rows, rows) / len(rows)
-    numbers = [assembly.number(name) for name in joints]
-    for name, k in zip(joints, numbers, strict=True):
-        draft.stiffen(name, added[k, k])
-    for (one, i), (other, j) in combinations(zip(joints, numbers, strict=True), 2):
-        draft.couple(one, other, added[i, j])
+    tie(draft, assembly.coordinates, added)
     draft.notes.append(
         f"the files have what holds the tool by {joints[0]} and {joints[1]} as in the mean of the postures, "
         "without damping"

@@ -224,6 +224,21 @@ def _act(assembly: Assembly, placement: Placement) -> None:
             assembly.add_coupling(row, added[..., number, :], pulls / 2)  # half of a row, half of a column
 
 
+def tie(draft: Draft, names: Sequence[str], added: Float[np.ndarray, "dof dof"]) -> None:
+    """Add a stiffness between joints to the files.
+
+    Args:
+        draft: of the robot.
+        names: of the joints, by row.
+        added: to their stiffness.
+    """
+    tied = np.flatnonzero(np.diag(added)).tolist()
+    for k in tied:
+        draft.stiffen(names[k], added[k, k])
+    for i, j in combinations(tied, 2):
+        draft.couple(names[i], names[j], added[i, j])
+
+
 def _extend(draft: Draft, placement: Placement) -> None:
     """What it adds to the joints in the mean of the postures: couplings of a card are the same in all."""
     assembly = Assembly(placement.context.stacked)
@@ -231,10 +246,7 @@ def _extend(draft: Draft, placement: Placement) -> None:
     rows, stiffness = zip(*springs(assembly, placement), strict=True)
     added = np.einsum("s,spi,spj->ij", stiffness, rows, rows) / len(rows[0])
     added += placement["rod_pull"] * placement["rod_stiffness"] * tightened(assembly, placement).mean(axis=0)
-    for k in np.flatnonzero(np.diag(added)):
-        draft.stiffen(names[k], added[k, k])
-    for i, j in combinations(np.flatnonzero(np.diag(added)), 2):
-        draft.couple(names[i], names[j], added[i, j])
+    tie(draft, names, added)
     one, other = placement.where.split("+")
     draft.notes.append(
         f"the files have the rod between {one} and {other} as in the mean of the postures, without damping"
