@@ -116,6 +116,9 @@ class World(Data):
     def vouches(self, model):
         return False
 
+    def wider(self, model, keys):
+        return []
+
     def alike(self, one, other):
         return True
 
@@ -1464,6 +1467,30 @@ def test_an_effect_less_plausible_than_nothing_is_left_out_if_the_others_are_sur
     assert list(selection.current.keys) == kept
     assert selection.furthest is (whole if len(kept) == 2 else None)
     assert len(kept) == 3 or {one.confidence for one in selection.steps} == {0.83}
+
+
+@pytest.mark.parametrize(("narrow", "wide", "kept"), [(0.9, 5.0, 1), (5.0, 0.9, 1), (5.0, 5.0, 2)])
+def test_an_effect_less_plausible_than_nothing_goes_if_a_wider_law_of_the_others_is_enough(
+    narrow, wide, kept
+):
+    class Wider(World):
+        def wider(self, model, keys):
+            assert keys == (MASS,)
+            return [Model((MASS, "wide"))]
+
+    left = {(): 40.0, (MASS,): narrow * NOISE, (MASS, "wide"): wide * NOISE, (MASS, PLAY): 0.5 * NOISE}
+    data = Wider(lambda keys: next(size for names, size in left.items() if set(names) == set(keys)))
+    selection = Selection(data)
+    selection.current, none = Model((MASS, PLAY)), (("spare", "f"),)
+    selection.steps[:] = [
+        Step(*key, {}, {}, {}, sure, Mock(spec=Gaps), (), ties=none)
+        for key, sure in ((MASS, 0.9), (PLAY, 0.0))
+    ]
+    told = []
+    selection._describe_anew = lambda: told.append(selection.current.keys)
+    selection.drop_hardly_possible()
+    assert len([key for key in selection.current.keys if key != "wide"]) == kept
+    assert told == ([] if kept == 2 else [(MASS,) if narrow < 1 else (MASS, "wide")])
 
 
 def test_what_a_function_alone_tells_is_named_where_no_law_is():

@@ -42,7 +42,7 @@ LEAST = 1e-9
 """Lever over the crank at least: at dead centre in all postures it has none."""
 _ANGLES = tuple(np.array([-5, -4, -3, -2, 1, 2, 3, 4, 5]) * np.pi / 6)
 """Of the crank in the middle, from which fits set out [rad]."""
-_NESTED, NESTS = "nested", (0.3, 0.8)
+NESTED_BY, NESTS = "nested", (0.3, 0.8)
 """What turns against a joint's shaft of the next joint's, over what that joint turns by; and sizes from which
 fits start, over where both springs are even."""
 _SPEED = 0.7
@@ -92,8 +92,8 @@ def lever_of(placement: Placement) -> Float[np.ndarray, "*system"]:
 def _drawn(assembly: Assembly, placement: Placement, arm: np.ndarray) -> Float[np.ndarray, "*system dof"]:
     """The row of what rubs, by its lever; of shafts in one another what one turns against the other."""
     row = assembly.stretch_of(placement.where)
-    if _NESTED in placement.values:
-        return np.asarray(row - placement[_NESTED] * assembly.stretch_of(_beside(placement)))
+    if NESTED_BY in placement.values:
+        return np.asarray(row - placement[NESTED_BY] * assembly.stretch_of(_beside(placement)))
     return np.asarray(arm[:, None] * row) if _LEVER[0] in placement.values else row
 
 
@@ -214,12 +214,17 @@ def _bristle_starts(context: Context, where: str, values: Mapping[str, float]) -
 
 
 def _nested_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
-    even = _even(context, where)
-    return (*_friction_parameters(context, where), signed(_NESTED, "", 0.5 * even, -5 * even, 5 * even))
+    size = even(context, where)
+    return (*_friction_parameters(context, where), signed(NESTED_BY, "", 0.5 * size, -5 * size, 5 * size))
 
 
-def _even(context: Context, where: str) -> float:
-    """√(k'/k) of the joint beside one and of it."""
+def even(context: Context, where: str) -> float:
+    """√(k'/k) of the joint beside one and of it.
+
+    Args:
+        context: of the diagnosis.
+        where: the one.
+    """
     joints, other = context.robot.joints, str(beside(context, where))
     return float(np.sqrt(joints[other].stiffness / joints[where].stiffness))
 
@@ -227,9 +232,9 @@ def _even(context: Context, where: str) -> float:
 def _nested_starts(context: Context, where: str, values: Mapping[str, float]) -> list[Mapping[str, float]]:
     own = [one.name for one in _friction_parameters(context, where)]
     kept = {name: values[name] for name in own}
-    ratios = [sign * size * _even(context, where) for size in NESTS for sign in (1, -1)]
+    ratios = [sign * size * even(context, where) for size in NESTS for sign in (1, -1)]
     return [
-        {**kept, "torque": size * kept["torque"], _NESTED: ratio} for ratio in ratios for size in (1.0, 2.0)
+        {**kept, "torque": size * kept["torque"], NESTED_BY: ratio} for ratio in ratios for size in (1.0, 2.0)
     ]
 
 
@@ -245,7 +250,7 @@ BRISTLES = Effect(
     untestable=one_level,
     physical=lambda context, where, values: {
         name: values[name]
-        for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND, *_CARRIED, *_LEVER, _SLIPS, _NESTED)
+        for name in (*_FRICTION, *_SLOW, _LAG, *_SECOND, *_CARRIED, *_LEVER, _SLIPS, NESTED_BY)
         if name in values
     },
     sticks=True,

@@ -7,12 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.effect import Placement
+from flexmodal.diagnosis.effects.dry_friction import NESTED_BY, beside, even
+from flexmodal.diagnosis.effects.effect import Placement, signed
 from flexmodal.diagnosis.effects.held_tool import directions, directions_tried, held
 from flexmodal.diagnosis.effects.held_tool import stiffness_of as tool_stiffness
 from flexmodal.diagnosis.effects.rod import cranks, cranks_tried, pairs, stiffness_of, stretch, tightened
-from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, constant, outer, tensor
+from flexmodal.diagnosis.lawfree.port import STILL, Patterns, PortKind, Wider, constant, outer, tensor
+from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
+
+NESTED_AT = 0.5
+"""Ratio of shafts in one another from which a look sets out, over where both springs are even."""
 
 
 def _stiffness(context: Context, joint: str) -> float:
@@ -32,13 +37,39 @@ JOINT = PortKind(
     sizes=lambda context, where, frequency: constant([_stiffness(context, where)], frequency),
     patterns=_joint_patterns,
 )
-TORQUE = replace(
+_BY_BLOW = replace(
     JOINT,
     name="torque",
     says="a torque of the joint that depends on how hard the blow is",
     by_blow=True,
     shape=replace(STILL, variants=("blow",)),
 )
+
+
+def _nested_patterns(assembly: Assembly, placement: Placement) -> Patterns:
+    """Of what one joint's shaft turns against that of the joint beside it."""
+    other = str(beside(placement.context, placement.where))
+    row = assembly.stretch_of(placement.where) - placement[NESTED_BY] * assembly.stretch_of(other)
+    return Patterns(outer(row, row, len(placement.posture))[None])
+
+
+def _nested(sign: float) -> Wider:
+    """With a shaft that turns the same way, or the other way, as far as both springs are even at first."""
+
+    def parameters(context: Context, where: str) -> tuple[Parameter, ...]:
+        size = even(context, where)
+        return (signed(NESTED_BY, "", size, -5 * size, 5 * size, centre=sign * NESTED_AT * size),)
+
+    kind = replace(
+        _BY_BLOW,
+        places=lambda context: tuple(one for one in context.joints if beside(context, one) is not None),
+        shape=replace(STILL, variants=("blow",), parameters=parameters),
+        patterns=_nested_patterns,
+    )
+    return Wider(kind, lambda context, where, values, functions: functions)
+
+
+TORQUE = replace(_BY_BLOW, wider=(_nested(1.0), _nested(-1.0)))
 
 
 def _coupling_patterns(assembly: Assembly, placement: Placement) -> Patterns:

@@ -235,7 +235,10 @@ class ForwardSelection(Steps[M]):
         )
 
     def drop_hardly_possible(self) -> None:
-        """Leave out what is less plausible than nothing in its place, if others are sure without it."""
+        """Leave out what is less plausible than nothing in its place, if others are sure or do without it.
+
+        These with wider laws too: what a narrow one leaves may have been taken for one effect more.
+        """
         kept = [step for step in self.steps if hardly_possible(step.confidence) < Answer.YES]
         if self.sure or len(kept) == len(self.steps):
             return
@@ -245,4 +248,10 @@ class ForwardSelection(Steps[M]):
         self.sure = self.data.settles(less)
         if self.sure:
             self.furthest, self.current, self.steps[:] = self.current, less, kept
+            self._describe_anew()
+            return
+        able = [less, *self.data.wider(less, less.hypothesis.keys)] if kept else []
+        enough = next((one for one in able if self.data.is_enough(one)), None)
+        if enough is not None:
+            self.current, self.steps[:] = enough, []
             self._describe_anew()

@@ -42,6 +42,7 @@ from flexmodal.structure.with_ports import with_ports
 PLACES = [
     (JOINT, "q2"),
     (TORQUE, "q2"),
+    (TORQUE.wider[0].kind, "q2"),
     (DAMPING, "joints"),
     (COUPLING, "q1+q2"),
     (ROD, "q1+q3"),
@@ -423,6 +424,21 @@ def test_a_rare_port_that_is_hinted_at_is_tried_with_the_others(root, hinged, ob
     assert ("rod", "q1+q3") in [port.key for port in plain.rare]
     assert [port.key for port in hinted.ports] == [*(port.key for port in plain.ports), ("rod", "q1+q3")]
     assert len(hinted.rare) == len(plain.rare) - 1
+
+
+def test_what_rubs_between_two_shafts_is_along_one_less_the_other(root, observed):
+    """The same way round or the other: each sets out from where both springs are even."""
+    for wider, sign in zip(TORQUE.wider, (1, -1), strict=True):
+        model = model_of(root, observed, wider.kind, "q2")
+        x, z = np.zeros(len(model.space)), model.zero() + 0.2
+        size = np.sqrt(root.context.robot.joints["q3"].stiffness / root.context.robot.joints["q2"].stiffness)
+        values = model.space.values(x)
+        assert next(v for name, v in values.items() if name.endswith("nested")) == pytest.approx(
+            sign * size / 2
+        )
+        plain = model_of(root, observed, TORQUE, "q2")
+        apart = AtParameters(model, x).residual(z) - AtParameters(plain, x[: len(plain.space)]).residual(z)
+        assert np.abs(apart).max() > 1e-3
 
 
 def test_the_class_is_read_off_the_curve(root, hinged, observed):

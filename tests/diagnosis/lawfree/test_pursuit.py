@@ -269,7 +269,8 @@ def test_a_rare_port_goes_on_where_it_did_better_than_the_others(rare, found):
 )
 def test_where_a_torque_explains_everything_only_readings_are_tried_beside_it(placed, left, tried):
     """What changes with the force of the blow no linear port explains, but a reading may."""
-    torque, reading = Port(TORQUE, "q1", ("torque",)), Port(SENSOR, "point_1", ("gain",))
+    kind = replace(TORQUE, wider=())
+    torque, reading = Port(kind, "q1", ("torque",)), Port(SENSOR, "point_1", ("gain",))
     field = Screened(placed, left, ports=(ONE, reading), torques=(torque,))
     field.round()
     assert reading in field.asked
