@@ -91,6 +91,24 @@ def clip_motions(
     return assembly.motion(before, near)[..., :3, :], assembly.motion(placement.where, far)[..., :3, :]
 
 
+def halves(
+    assembly: Assembly, placement: Placement, ways: Sequence[np.ndarray]
+) -> tuple[list[Float[np.ndarray, "*posture dof"]], list[Float[np.ndarray, "*posture dof"]]]:
+    """Half of the sum of both clips' motions, and of their difference, along some ways.
+
+    Args:
+        assembly: with all coordinates.
+        placement: with the values of `clips` and of a place on the link.
+        ways: unit vectors in the world, the same in every posture or one for each.
+    """
+    near, far = clip_motions(assembly, placement)
+    alike, apart = (
+        [np.sum(way[..., :, None] * half, axis=-2) for way in ways]
+        for half in ((near + far) / 2, (near - far) / 2)
+    )
+    return alike, apart
+
+
 def _near(context: Context, where: str, values: Mapping[str, float]) -> tuple[str, Float[np.ndarray, " 3"]]:
     """The link before, and where its clip is in its frame."""
     joint = context.robot.urdf.joint_by_name[str(joint_of(context, where))]
@@ -185,13 +203,9 @@ def _coordinates(placement: Placement) -> list[str]:
 
 def _act(assembly: Assembly, placement: Placement) -> None:
     context, mass = placement.context, placement["mass"]
-    near, far = clip_motions(assembly, placement)
     axes = assembly.axes(placement.where)
     along = [axes @ way for way in directions(context, placement.where, placement.values)]
-    means, apart = (
-        [np.sum(way[..., :, None] * half, axis=-2) for way in along]
-        for half in ((near + far) / 2, (near - far) / 2)
-    )
+    means, apart = halves(assembly, placement, along)
     rows = [assembly.row(name) for name in _coordinates(placement)]
     swinging = len(rows) // 2
     for k, (mean, half) in enumerate(zip(means, apart, strict=True)):

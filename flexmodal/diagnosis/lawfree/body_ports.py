@@ -13,7 +13,7 @@ from flexmodal.diagnosis.effects.added_mass import SUNK, SUNKEN, place_on, sunk
 from flexmodal.diagnosis.effects.attached_point import MIDDLE, lever_of
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Placement, along, sides
-from flexmodal.diagnosis.effects.hung_across import clip_motions, clips
+from flexmodal.diagnosis.effects.hung_across import clips, halves
 from flexmodal.diagnosis.effects.hung_across import places as hung_places
 from flexmodal.diagnosis.lawfree.port import Patterns, PortKind, outer, tensor, tensor_names
 from flexmodal.structure import Parameter
@@ -157,13 +157,9 @@ GROUND = replace(
 
 def _across_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     """Of the mean motion of both clips, by the axes of the link, and of half of that between them."""
-    near, far = clip_motions(assembly, placement)
     axes, count = assembly.axes(placement.where), len(placement.posture)
     ways = [axes @ way for way in link_ways(placement.context, placement.where)]
-    means, apart = (
-        [np.sum(way[..., :, None] * half, axis=-2) for way in ways]
-        for half in ((near + far) / 2, (near - far) / 2)
-    )
+    means, apart = halves(assembly, placement, ways)
     other = np.sum([outer(row, row, count) for row in apart], axis=0)
     return Patterns(np.concatenate([tensor(means, count), other[None]]))
 
