@@ -13,6 +13,12 @@ MOST_TRIAL = 99_999
 
 PRETRIGGER = 0.02
 """Part of a record that usually lies before the blow."""
+SAMPLING = 2.56
+"""Sampling rate over the highest line, as analysers have it."""
+PULSES = {"soft": 5e-3, "medium": 2.5e-3, "hard": 1e-3}
+"""Usual length of a hammer's pulse of 100 N by its tip [s]; another tip counts as medium."""
+USUAL_PEAK = 100.0
+"""[N]"""
 
 WindowKind = Literal["force", "exponential"]
 
@@ -47,6 +53,19 @@ class Trial:
     window: Window | Literal["none"] = "none"
     repeat_of: int | None = None
     """The trial that this one repeats."""
+
+
+def pulse_length(tip: str, peak: float) -> float:
+    """How long a hammer's pulse usually is, T ∝ P^(−1/6) for harder blows [s].
+
+    As for Hertz's contact of a sphere (Johnson, Contact Mechanics, 1985, section 11.4: T ∝ v^(−1/5),
+    P ∝ v^(6/5)).
+
+    Args:
+        tip: soft, medium or hard; another counts as medium.
+        peak: of the force [N].
+    """
+    return PULSES.get(tip, PULSES["medium"]) * float((peak / USUAL_PEAK) ** (-1 / 6))
 
 
 def repeat_groups(trials: Sequence[Trial]) -> tuple[tuple[int, ...], ...]:

@@ -11,8 +11,6 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float, Int, Shaped
 
 from flexmodal.campaign import (
-    PRETRIGGER,
-    Blow,
     Campaign,
     CampaignPosture,
     FrfRecords,
@@ -28,6 +26,7 @@ from flexmodal.ema import FEWEST_LINES, LARGEST, scatter
 from flexmodal.errors import Fault, InvalidRequest
 from flexmodal.frf.form import POWER
 from flexmodal.identification.layout import Layout
+from flexmodal.identification.record_end import length_after
 from flexmodal.identification.signal import has_signal, with_signal
 from flexmodal.structure.structure import Axis
 
@@ -180,7 +179,7 @@ def observe(campaign: Campaign, *, bare: bool = False) -> Observations:
         level=table[:, 5],
         levels=groups,
         decays=tuple(_decay(campaign, group) for group in groups),
-        lengths=tuple(_length(campaign, group) for group in groups),
+        lengths=tuple(length_after(campaign, group) for group in groups),
         value=value,
         variance=variance,
         used=coherent & (value != 0) & (variance <= NOISIEST),
@@ -282,18 +281,3 @@ def _receptances(records: FrfRecords, campaign: Campaign) -> FrfRecords:
 
 def _decay(campaign: Campaign, group: tuple[int, ...]) -> float:
     return float(np.mean([added_decay(campaign.trial(trial)) for trial in group]))
-
-
-def _length(campaign: Campaign, group: tuple[int, ...]) -> float:
-    """Time from the blow to the end of the record: of the blows, else as stated less a usual pre-trigger."""
-    found = [_after(blow) for blow in campaign.blows if blow.trial in group]
-    if not found:
-        stated = [campaign.trial(trial).record_length for trial in group]
-        found = [(1 - PRETRIGGER) * length for length in stated if length is not None]
-    return float(np.median(found)) if found else 0.0
-
-
-def _after(blow: Blow) -> float:
-    power = blow.force**2
-    middle = float(np.sum(blow.time * power) / np.sum(power))
-    return float(blow.time[0]) + len(blow.time) * blow.step - middle

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import flexmodal
+from flexmodal.campaign import PULSES
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.effects.dry_friction import EFFECT as FRICTION
@@ -21,7 +22,7 @@ from flexmodal.diagnosis.selection.frf_comparison import fitted_model
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.integration import integrate
 from flexmodal.diagnosis.time_domain.model import TimeDomainModel, has_law
-from flexmodal.diagnosis.time_domain.pulse import PULSES, pulses
+from flexmodal.diagnosis.time_domain.pulse import pulses
 from flexmodal.errors import InvalidRequest, SingularResponse
 from flexmodal.identification import fit, gap, observe, predict
 from flexmodal.identification.frf_fit import FrfMisfit, Weighting

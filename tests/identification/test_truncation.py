@@ -3,10 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from scipy.linalg import expm
 
 import flexmodal
+from flexmodal.campaign import PRETRIGGER, SAMPLING, pulse_length
 from flexmodal.identification.frf_fit import residual
+from flexmodal.identification.gap import over_noise
 from flexmodal.identification.model import RobotModel, predict
 from flexmodal.identification.observations import observe
 from flexmodal.rig import simulate
@@ -97,3 +100,42 @@ def test_each_kind_of_blow_is_cut_at_the_end_of_its_own_records():
         rows = seen.level == level
         np.testing.assert_allclose(predict(model, x, seen.keeping(rows)), whole[rows], rtol=1e-12)
     assert np.abs(np.log(np.abs(whole[seen.level == 0] / whole[seen.level == 1]))).max() > 0.1
+
+
+def test_a_record_goes_on_from_the_middle_of_the_blow_to_half_a_sample_before_its_end():
+    """By the blows themselves; else by a usual pre-trigger and pulse, which comes near to that."""
+    robot = flexmodal.load("six_link")
+    made, short = (
+        simulate(robot, postures=1, points=2, references=1, trials=1, peaks=(80.0,), seed=5, time=time)
+        for time in (True, False)
+    )
+    (known,), (guessed,) = observe(made.campaign).lengths, observe(short.campaign).lengths
+    (blow, *_), (trial,) = made.campaign.blows, short.campaign.trials
+    time = blow.time[0] + blow.step * np.arange(len(blow.time))
+    middle = float(np.sum(time * blow.force**2) / np.sum(blow.force**2))
+    assert known == pytest.approx(time[-1] + blow.step / 2 - middle, abs=0.3 * blow.step)  # of several blows
+    top = short.campaign.frfs.frequency[-1]
+    pulse = pulse_length(trial.tip, trial.force_peak)
+    assert guessed == pytest.approx(
+        (1 - PRETRIGGER) * trial.record_length - pulse / 2 - 1 / (2 * SAMPLING * top)
+    )
+    assert abs(known - guessed) < 2e-3
+
+
+def test_what_rings_on_is_met_at_the_truth_only_where_the_end_is_in_its_place():
+    """Modes of a thousandth of their critical damping; 5 ms are a tenth of a turn at 20 Hz."""
+    robot = flexmodal.load("six_link")
+    joints = {name: replace(one, damping=0.02 * one.damping) for name, one in robot.joints.items()}
+    robot = replace(robot, joints=joints)
+    made = simulate(
+        robot, postures=1, points=2, references=1, trials=2, peaks=(100.0,), seed=5, noise=1e-3, scatter=0.0,
+        time=False,
+    )  # fmt: skip
+    observed, space = observe(made.campaign), robot_space(robot)
+    x = np.array([np.log(made.truth.factors[name]) for name in space.names])
+    model = RobotModel(robot, space)
+    off = [
+        over_noise(seen, predict(model, x, seen))
+        for seen in (observed, replace(observed, lengths=tuple(one + 5e-3 for one in observed.lengths)))
+    ]
+    assert off[1] > 1.5 * off[0]

@@ -1,9 +1,8 @@
 """The hammer's pulse in each kind of blow: as recorded, or what is usual for its tip.
 
 The pulse is a haversine, f(t) = P/2 (1 − cos(2πt/T)). Where a campaign has the blows themselves, P and T are
-those whose spectrum comes nearest to the recorded ones' mean size. Otherwise T is usual for the tip at 100 N,
-shorter for harder blows, T ∝ P^(−1/6), as for Hertz's contact of a sphere (Johnson, Contact Mechanics, 1985,
-section 11.4: T ∝ v^(−1/5), P ∝ v^(6/5)).
+those whose spectrum comes nearest to the recorded ones' mean size. Otherwise T is usual for tip and peak, see
+`campaign.pulse_length`.
 """
 
 from __future__ import annotations
@@ -13,12 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
+from flexmodal.campaign import pulse_length
 from flexmodal.identification import Observations
 
-PULSES = {"soft": 5e-3, "medium": 2.5e-3, "hard": 1e-3}
-"""Usual length of a hammer's pulse of 100 N by its tip [s]; another tip counts as medium."""
-USUAL = 100.0
-"""[N]"""
 _STRONG = 0.1
 """Part of the largest size of a force's spectrum from which a line tells of the pulse."""
 _LENGTHS = (5e-5, 5e-2)
@@ -65,7 +61,7 @@ def usual(tip: str, peak: float) -> Pulse:
         tip: soft, medium or hard; another counts as medium.
         peak: of the force [N].
     """
-    return Pulse(peak, PULSES.get(tip, PULSES["medium"]) * float((peak / USUAL) ** (-1 / 6)))
+    return Pulse(peak, pulse_length(tip, peak))
 
 
 def _pulse(observations: Observations, level: int) -> Pulse:
