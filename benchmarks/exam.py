@@ -1,14 +1,12 @@
 """The sealed exam of the diagnosis: simulated campaigns with effects hidden in them.
 
-    python benchmarks/exam.py [--engine rig|mujoco]
-        [--forms own|looked|sealed|unseen|later|blind|further|third|fourth] [--seed N] [--folder DIR]
+    python benchmarks/exam.py [--engine rig|mujoco] [--forms own|NAME] [--seed N] [--folder DIR]
         [--postures N] [--workers N] [--most N] [--scheduler ADDRESS]
 
 Goes on where it was stopped; on this machine's cores, or on the workers of a Dask scheduler that see the same
 folders. The candidate is a process of its own that is given the campaign's folder; what
-is hidden lies in another. Tuned on other seeds; the published exams are those of `PUBLISHED`. Forms that are
-`sealed` are for this exam alone; `unseen`, `later`, `blind`, `further`, `third` and `fourth` ones were
-written after the diagnosis.
+is hidden lies in another. Tuned on other seeds; the published exams are those of `PUBLISHED`, which sets of
+forms there are says `flexmodal.rig.FORM_SETS`.
 """
 
 from __future__ import annotations
