@@ -30,7 +30,6 @@ from flexmodal.campaign.tables.modes import write_modes as write_modes
 from flexmodal.campaign.tables.receptances import Amplitude as Amplitude
 from flexmodal.campaign.tables.receptances import read_receptances as read_receptances
 from flexmodal.campaign.trial import PRETRIGGER as PRETRIGGER
-from flexmodal.campaign.trial import PULSES as PULSES
 from flexmodal.campaign.trial import SAMPLING as SAMPLING
 from flexmodal.campaign.trial import Trial as Trial
 from flexmodal.campaign.trial import Window as Window

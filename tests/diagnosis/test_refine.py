@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import flexmodal
-from flexmodal.campaign import PULSES
+from flexmodal.campaign.trial import PULSES
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.effects.dry_friction import EFFECT as FRICTION

@@ -93,24 +93,27 @@ def _drawn(assembly: Assembly, placement: Placement, arm: np.ndarray) -> Float[n
     """The row of what rubs, by its lever; of shafts in one another what one turns against the other."""
     row = assembly.stretch_of(placement.where)
     if NESTED_BY in placement.values:
-        return np.asarray(row - placement[NESTED_BY] * assembly.stretch_of(_beside(placement)))
+        return np.asarray(
+            row - placement[NESTED_BY] * assembly.stretch_of(beside(placement.context, placement.where))
+        )
     return np.asarray(arm[:, None] * row) if _LEVER[0] in placement.values else row
 
 
-def beside(context: Context, where: str) -> str | None:
-    """The joint after one, or before it where it is the last; None where it is alone.
+def beside(context: Context, where: str) -> str:
+    """The joint after one, or before it where it is the last.
 
     Args:
         context: of the diagnosis.
-        where: which.
+        where: one of `in_a_row`.
     """
-    order = list(context.joints)
+    order = context.joints
     at = order.index(where)
-    return next(iter(order[at + 1 : at + 2] or order[max(at - 1, 0) : at]), None)
+    return order[at + 1] if at + 1 < len(order) else order[at - 1]
 
 
-def _beside(placement: Placement) -> str:
-    return str(beside(placement.context, placement.where))
+def in_a_row(context: Context) -> tuple[str, ...]:
+    """Joints beside another one: all, unless there is but one."""
+    return context.joints if len(context.joints) > 1 else ()
 
 
 def _carried(placement: Placement) -> tuple[float, float]:
@@ -225,7 +228,7 @@ def even(context: Context, where: str) -> float:
         context: of the diagnosis.
         where: the one.
     """
-    joints, other = context.robot.joints, str(beside(context, where))
+    joints, other = context.robot.joints, beside(context, where)
     return float(np.sqrt(joints[other].stiffness / joints[where].stiffness))
 
 
@@ -257,7 +260,7 @@ BRISTLES = Effect(
 )
 NESTED = replace(
     BRISTLES,
-    places=lambda context: tuple(one for one in context.joints if beside(context, one) is not None),
+    places=in_a_row,
     parameters=_nested_parameters,
 )
 EFFECT = replace(

@@ -227,7 +227,7 @@ def _act(assembly: Assembly, placement: Placement) -> None:
 
 def _physical(context: Context, where: str, values: Mapping[str, float]) -> dict[str, float]:
     _, near = _near(context, where, values)
-    ends = dict(zip(("near_x", "near_y", "near_z"), near.tolist(), strict=True))
+    ends = dict(zip(NEAR, near.tolist(), strict=True))
     far = dict(zip("xyz", place_on(context, where, values).tolist(), strict=True))
     kept = ("mass", "frequency", "damping_ratio", "across_ratio", "second_ratio")
     return {**{name: values[name] for name in kept}, **ends, **far}
@@ -257,5 +257,5 @@ HUNG_ACROSS = Effect(
     act=_act,
     physical=_physical,
     extend=_extend,
-    units={"near_x": "m", "near_y": "m", "near_z": "m", "x": "m", "y": "m", "z": "m"},
+    units=dict.fromkeys((*NEAR, *"xyz"), "m"),
 )

@@ -3,7 +3,8 @@
 Each joint has so many times the common loss, stiffening included, which is that of so many times the loss
 factor but for terms of second order; by a wider law some may have next to none, and the weight that a joint
 carries may press on what rubs in it so that it loses more, or less. What relaxes is the same part
-of all. The viscous part is free to be less or more than the card's, where all of it may be another law's.
+of all; by the wider law it may do so faster from posture to posture, and beyond that in times spread as a
+bell. The viscous part is free to be less or more than the card's, where all of it may be another law's.
 What relaxes is a Maxwell element beside each joint's spring, a standard linear solid's (Zener, Elasticity and
 Anelasticity of Metals, 1948): K (1 + r iωτ/(1 + iωτ)). The constant loss comes with the stiffening that
 causality asks for (see `identification.structure`).

@@ -13,7 +13,7 @@ from itertools import product
 import numpy as np
 from jaxtyping import Float
 
-from flexmodal.diagnosis.effects.absorber_ways import ways_of
+from flexmodal.diagnosis.effects.absorber_ways import directions
 from flexmodal.diagnosis.effects.added_mass import place_on
 from flexmodal.diagnosis.effects.attached_point import lever_of
 from flexmodal.diagnosis.effects.context import Context
@@ -64,12 +64,10 @@ def _starts(context: Context, where: str) -> list[Mapping[str, float]]:
 
 def _axes(context: Context, where: str, values: Mapping[str, float]) -> list[Float[np.ndarray, " 3"]]:
     """About which it swings, and in space about which it is firm, in the frame of the link."""
+    if context.normal is None:
+        return list(directions(context, where, values)[:2])
     _, axis = along(context, where)
-    across = sides(context, where, axis)
-    if len(across) == 1:
-        return [crossed(axis, across[0])]
-    ways = ways_of(np.array([values[name] for name in ("angle", "turn", "roll")]))
-    return list((ways @ np.array([axis, *across]))[:2])
+    return [crossed(axis, sides(context, where, axis)[0])]
 
 
 def _shape(assembly: Assembly, placement: Placement) -> None:

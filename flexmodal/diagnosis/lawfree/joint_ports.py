@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmodal.diagnosis.effects.context import Context
-from flexmodal.diagnosis.effects.dry_friction import NESTED_BY, beside, even
+from flexmodal.diagnosis.effects.dry_friction import NESTED_BY, beside, even, in_a_row
 from flexmodal.diagnosis.effects.effect import Placement, signed
 from flexmodal.diagnosis.effects.held_tool import directions, directions_tried, held
 from flexmodal.diagnosis.effects.held_tool import stiffness_of as tool_stiffness
@@ -48,7 +48,7 @@ _BY_BLOW = replace(
 
 def _nested_patterns(assembly: Assembly, placement: Placement) -> Patterns:
     """Of what one joint's shaft turns against that of the joint beside it."""
-    other = str(beside(placement.context, placement.where))
+    other = beside(placement.context, placement.where)
     row = assembly.stretch_of(placement.where) - placement[NESTED_BY] * assembly.stretch_of(other)
     return Patterns(outer(row, row, len(placement.posture))[None])
 
@@ -62,7 +62,7 @@ def _nested(sign: float) -> Wider:
 
     kind = replace(
         _BY_BLOW,
-        places=lambda context: tuple(one for one in context.joints if beside(context, one) is not None),
+        places=in_a_row,
         shape=replace(STILL, variants=("blow",), parameters=parameters),
         patterns=_nested_patterns,
     )

@@ -237,7 +237,7 @@ class FrfsByLook(Data[FittedFrfs]):
     def by_function(
         self, model: FittedFrfs, tried: Sequence[FittedFrfs], hardly: Collection[tuple[str, str]] = ()
     ) -> tuple[FittedFrfs, Mapping[tuple[str, str], float]] | None:
-        """See `Data`: of places that explain everything, where no law does; by posture none is told then."""
+        """See `Data`; a law that explains everything goes before a sensor's numbers for each posture."""
         if self.asked is not None:
             return None
         looks = self._candidates.looks
