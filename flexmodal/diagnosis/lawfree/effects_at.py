@@ -29,8 +29,6 @@ _WIDER = {
 WIDE = {wide for wide, held in _WIDER.items() if wide not in PORT_OF.values() and held in PORT_OF.values()}
 """Kinds of port that do what the narrow law of an effect cannot, but a wider one can: a rod, what holds the
 tool, what turns, what is not alike in every direction of the world, what hangs on two links."""
-HIDE = ("coupling",)
-"""Kinds whose effects have a wider law that no port of one function shows, if its ratio changes."""
 DOES_MUCH = ("base",)
 """Kinds of port whose effects can do what many plainer ones do that touch them."""
 _ELASTIC = ("spring", "spring and damper", "spring with constant loss", "spring, damper and mass")

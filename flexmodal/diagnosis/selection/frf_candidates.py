@@ -150,7 +150,7 @@ class FrfCandidates(WiderLaws):
                 yield (found := self._elsewhere(before, number, found, look))
         yield (found := self._stuck(before, number, found, look))
         yield (found := self.at_last(before, found))
-        yield self.with_wider_laws(before, number, found, look)
+        yield self.with_wider_laws(before, found, look)
 
     def _is_plainer(self, one: tuple[str, str], other: tuple[str, str]) -> bool:
         """Whether an effect can do no more than another one, or has fewer parameters."""

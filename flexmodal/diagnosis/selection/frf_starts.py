@@ -8,14 +8,12 @@ from functools import cache
 
 import numpy as np
 
-from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.lawfree.effects_at import CLASSES_OF, PORT_OF, holds
 from flexmodal.diagnosis.lawfree.joint_ports import TORQUE
 from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.search.set_out import NEAR_BY, SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_thresholds import LIKELY, NOT_FAR_BEHIND
 from flexmodal.diagnosis.setup import Setup
 
 
@@ -140,22 +138,3 @@ def narrowest(found: Sequence[FittedFrfs], is_enough: Callable[[FittedFrfs], boo
     """
     enough = [one.key for one in found if is_enough(one)]
     return [one for one in found if not any(does_more(one.key, other) for other in enough)]
-
-
-def likely_wider(setup: Setup, found: Sequence[FittedFrfs], look: Findings) -> list[FittedFrfs]:
-    """Of models that are not far behind those with a wider law, in the order of their places without one.
-
-    The best of those that depend on the blow besides: a function free for every blow leaves less anyway.
-
-    Args:
-        setup: what the diagnosis works with.
-        found: with one effect more.
-        look: without a law, beside the others.
-    """
-    least = min((over_noise(setup, one) for one in found), default=0.0)
-    able = [one for one in found if one.hypothesis.placed[-1].effect.next_level is not None]
-    near = [one for one in able if over_noise(setup, one) <= NOT_FAR_BEHIND * least]
-    judged = {(one.port, one.where): one.judged for one in look.places}
-    near.sort(key=lambda one: judged.get((PORT_OF.get(one.key[0], ""), one.key[1]), np.inf))
-    forced = [one for one in near if one.hypothesis.placed[-1].effect.by_force]
-    return [*[one for one in near if one not in forced][:LIKELY], *forced[:1]]

@@ -176,7 +176,10 @@ class ForwardSelection(Steps[M]):
 
     def _widened(self, keys: Collection[tuple[str, str]]) -> bool:
         """A wider law for one of some effects, if that does better."""
-        return self._bettered(widened(self.data, self.current, keys))
+        better = self._bettered(widened(self.data, self.current, keys))
+        if better:
+            self._describe_wider()
+        return better
 
     def _bettered(self, other: M) -> bool:
         """Whether a model is another one than the present, whose place it takes."""

@@ -76,6 +76,19 @@ class Steps(Generic[M]):
             self.steps[:] = described.anew(self.data, self.root, self.current, self.describe)
         self.steps[:] = described.as_sure(self.steps, self.sure)
 
+    def _describe_wider(self) -> None:
+        """The only step, whose law is a wider one now, among what it was compared with when it was added.
+
+        How sure the narrow one was says nothing of it. Of several each is judged beside the others anyway.
+        """
+        for told in reversed(self.rounds if len(self.steps) == 1 else []):
+            models, keys = told.comparison.models, self.current.hypothesis.keys
+            same = [k for k, one in enumerate(models) if one.hypothesis.keys == keys]
+            if same:
+                every = [self.current if k == same[0] else one for k, one in enumerate(models)]
+                self.steps[0] = self.describe(self.data.compare(every), same[0])
+                return
+
     def _chosen(self, comparison: Comparison[M], number: int) -> Choice:
         before = comparison.models[0]
         worth = [self.data.worth(before, one, number) for one in comparison.models]

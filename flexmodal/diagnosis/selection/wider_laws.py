@@ -6,14 +6,14 @@ from collections.abc import Collection, Sequence
 from functools import partial
 
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
-from flexmodal.diagnosis.lawfree.effects_at import HIDE, PORT_OF, WIDE
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF, WIDE
 from flexmodal.diagnosis.lawfree.result import Findings
+from flexmodal.diagnosis.search.every_law import every_law, followed, worth_following
 from flexmodal.diagnosis.search.explanations import best_of_each
 from flexmodal.diagnosis.search.next_level import at_next_level
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_starts import (
-    likely_wider,
     starts,
     swung,
     with_last,
@@ -26,7 +26,6 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     HALF,
     HARDLY,
     LAW_LEAVES,
-    LIKELY,
     NOTHING_HIDDEN,
 )
 from flexmodal.diagnosis.selection.searches_beside import SearchesBeside
@@ -36,45 +35,32 @@ class WiderLaws(SearchesBeside):
     """Which effects get the next level of their law, and when."""
 
     def with_wider_laws(
-        self, before: FittedFrfs, number: int, found: list[FittedFrfs], look: Findings
+        self, before: FittedFrfs, found: list[FittedFrfs], look: Findings
     ) -> list[FittedFrfs]:
-        """With effects at places that do best without a law, and wider laws, where none takes a good part.
+        """With wider laws wherever they do far better than narrow ones, where none takes a good part.
 
-        Beside effects while several are missing: a narrow law may take nothing where a wide one takes most,
-        of a foundation on bolts or of a rod. Of a rod whose ratio changes with the posture no function tells
-        the joints either: the best coupling gets its wider law.
+        Beside the re-tuned robot where none explains what is missing. Beside effects a narrow law may take
+        nothing where a wide one takes most, of a foundation on bolts or of a rod.
 
         Args:
             before: the model that something is added to.
-            number: how many effects it has.
             found: with one effect more.
             look: beside it.
         """
-        if not before.hypothesis.placed:
-            return self._wide_at_first(found, look)
-        if any(left(self.setup, before, one) < 1 - ANOTHER for one in found):
+        several = before.hypothesis.placed
+        if several and any(left(self.setup, before, one) < 1 - ANOTHER for one in found):
             return found
-        kinds = set(PORT_OF.values())
-        best = [(one.port, one.where) for one in look.places if one.port in kinds][:LIKELY]
-        found = self.also_at(before, number, found, [*best, *self._that_hide])
-        told = SetOut([], starts(before, look).told)
-        near = likely_wider(self.setup, found, look)
-        hidden = [one for one in found if PORT_OF.get(one.key[0]) in HIDE]
-        near += [one for one in hidden[:1] if one not in near]
-        return best_of_each([*found, *self._at_next_level(near, told)])
-
-    def _wide_at_first(self, found: list[FittedFrfs], look: Findings) -> list[FittedFrfs]:
-        """With wider laws of what is not far behind, where no place and no law explains what is missing."""
-        if look.explains or any(over_noise(self.setup, one) <= EXPLAINED for one in found):
+        if not several and any(over_noise(self.setup, one) <= EXPLAINED for one in found):
             return found
-        near = [one for one in likely_wider(self.setup, found, look) if not one.hypothesis.by_force]
-        return best_of_each([*found, *self._at_next_level(near, SetOut([]), unsure=True)])
-
-    @property
-    def _that_hide(self) -> list[tuple[str, str]]:
-        """Kinds and places of ports whose effects have a wider law that no port of one function shows."""
-        effects = [effect for effect in self.setup.effects if PORT_OF.get(effect.name) in HIDE]
-        return [(PORT_OF[one.name], where) for one in effects for where in one.places(self.setup.context)]
+        set_out = starts(before, look)
+        given = SetOut([], set_out.told)
+        nearest = sorted(found, key=lambda one: over_noise(self.setup, one))[:1]
+        found = best_of_each([*found, *self._at_next_level(nearest, given)])
+        if any(self.is_enough(one) for one in found):
+            return found
+        x = before.x if several else set_out.before[0]
+        tried = every_law(self.setup, before, x, with_force=self.depends_on_force(before))
+        return best_of_each([*found, *followed(self.setup, worth_following(tried), given, self.is_enough)])
 
     def at_next_levels(self, before: FittedFrfs, found: list[FittedFrfs], look: Findings) -> list[FittedFrfs]:
         """Wider laws too, where every effect in the place that the look points to leaves more by its law.
