@@ -92,7 +92,7 @@ live-pictures: .venv/tested browser
 studies: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/studies.py
 
-FORM_SETS := looked sealed unseen later blind further third fourth fifth sixth
+FORM_SETS := looked sealed unseen later blind further third fourth fifth sixth seventh
 # Some hours; what is answered already is not asked again. Sealed forms are simulated here and nowhere else.
 exam: .venv/tested
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/exam.py

@@ -29,7 +29,7 @@ from spreading import add_options, pieces
 PUBLISHED = {
     "rig": 20261128, "mujoco": 20270102, "looked": 20261128, "sealed": 20270142, "unseen": 20270201,
     "later": 20270301, "blind": 20270402, "further": 20270501, "third": 20270601,
-    "fourth": 20270701, "fifth": 20270801, "sixth": 20270901,
+    "fourth": 20270701, "fifth": 20270801, "sixth": 20270901, "seventh": 20271001,
 }  # fmt: skip
 """Seeds of the tables in docs/tables."""
 

@@ -28,6 +28,7 @@ PHYSICS = {
 AUTHORS = {
     "blind": "an author", "further": "a second author", "third": "a third author",
     "fourth": "a fourth author", "fifth": "a fifth author", "sixth": "a sixth author",
+    "seventh": "a seventh author",
 }  # fmt: skip
 PHYSICS |= {
     which: f"The virtual rig, effects in forms by {author} who did not know how the diagnosis works, on "

@@ -24,6 +24,8 @@ class Sensor:
     """Reading over truth."""
     delay: float = 0.0
     """[s]"""
+    step: float = 0.0
+    """How much later each of its axes comes than the one before [s]."""
     turned: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
     """Rotation of the sensor on its link, axes of the link; or any other mixture of its axes."""
     leaning: Float[np.ndarray, "3 3"] = field(default_factory=lambda: np.eye(3))
@@ -99,20 +101,31 @@ class Sensor:
             value = value * shape(2 * np.pi * frequency)
         return value
 
+    def skew(self, omega: Float[np.ndarray, " line"], axes: int) -> Complex[np.ndarray, "axis line"]:
+        """What it makes of each axis that comes later than the first.
+
+        Args:
+            omega: angular frequencies [rad/s].
+            axes: how many.
+        """
+        return np.exp(-1j * self.step * np.arange(axes)[:, None] * omega)
+
     def filtered(
-        self, record: Float[np.ndarray, "*many sample"], rate: float
-    ) -> Float[np.ndarray, "*many sample"]:
+        self, record: Float[np.ndarray, "*many axis sample"], rate: float
+    ) -> Float[np.ndarray, "*many axis sample"]:
         """Records as its filters leave them; the filters are causal, so that nothing of the end comes back.
 
         Args:
             record: samples.
             rate: of sampling [Hz].
         """
-        if not self.filters:
+        if not self.filters and not self.step:
             return record
         count = record.shape[-1]
         omega = 2 * np.pi * np.fft.rfftfreq(2 * count, 1 / rate)
         spectrum = np.fft.rfft(record, 2 * count, axis=-1)
         for shape in self.filters:
             spectrum = spectrum * shape(omega)
+        if self.step:
+            spectrum = spectrum * self.skew(omega, record.shape[-2])
         return np.fft.irfft(spectrum, 2 * count, axis=-1)[..., :count]

@@ -37,6 +37,10 @@ from flexmodal.rig.forms import (
     sensor_mass,
     sensors,
     servo_compliance,
+    seventh_bodies,
+    seventh_drives,
+    seventh_joints,
+    seventh_sensors,
     sixth_bodies,
     sixth_drives,
     sixth_joints,
@@ -60,6 +64,7 @@ for _room in (
     fourth_bodies, fourth_drives, fourth_joints, fourth_sensors,
     fifth_bodies, fifth_drives, fifth_joints, fifth_sensors,
     sixth_bodies, sixth_drives, sixth_joints, sixth_sensors,
+    seventh_bodies, seventh_drives, seventh_joints, seventh_sensors,
 ):  # fmt: skip
     for _effect in _room.FORMS:
         FORMS[_effect.name][_effect.form] = _effect

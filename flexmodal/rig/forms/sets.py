@@ -163,6 +163,22 @@ FORM_SETS: dict[str, dict[str, tuple[str, ...]]] = {
         "sensor_misalignment": ("clip",),
         "bearing_flexibility": ("by_load",),
     },
+    "seventh": {
+        "link_flexibility": ("housings",),
+        "base_flexibility": ("isolated",),
+        "servo_compliance": ("stepper",),
+        "structural_damping": ("stretched",),
+        "coulomb_friction": ("slewing",),
+        "nonlinear_stiffness": ("under_weight",),
+        "joint_coupling": ("cross_coupled",),
+        "added_mass": ("sheet",),
+        "local_absorber": ("wire_rope",),
+        "sensor_mass": ("transmitter",),
+        "sensor_gain": ("warm_up",),
+        "time_delay": ("scanned",),
+        "sensor_misalignment": ("knocked",),
+        "bearing_flexibility": ("bush",),
+    },
 }
 """By name of the set, then of the effect: its forms there.
 
@@ -171,6 +187,6 @@ FORM_SETS: dict[str, dict[str, tuple[str, ...]]] = {
 - `unseen`: written when the diagnosis was done; docs/diagnosis_accuracy.md says which of them have been
   looked into since.
 - `later`: likewise, once those before had been met and what they showed was mended.
-- `blind`, `further`, `third`, `fourth`, `fifth`, `sixth`: by one author each who did not know how the
-  diagnosis works.
+- `blind`, `further`, `third`, `fourth`, `fifth`, `sixth`, `seventh`: by one author each who did not know
+  how the diagnosis works.
 """

@@ -203,6 +203,7 @@ def _predicted(
         rows = response_rows(stand, plant, point, sensor)
         value = plant.inertance(rows, pushed, frequency)
         value = value * sensor.response(frequency)[:, None, None]
+        value = value * sensor.skew(2 * np.pi * frequency, len(rows)).T[:, :, None]
         by_point.append(np.transpose(value, (2, 1, 0)))
     return np.stack(by_point, axis=1)
 

@@ -86,6 +86,17 @@ def elastic(kind, p, new, force):
 
 
 @no_type_check
+def wound(p, new, force):
+    """Torque of a spring that hardens, from where it is wound up already: p = k a, q_r, that place."""
+    rest = (p[2] / p[1]) ** 2
+    held = p[2] * rest / (1.0 + rest)
+    for b in range(len(new)):
+        place = new[b] + p[2]
+        square = (place / p[1]) ** 2
+        force[b] = p[0] * (held - place * square / (1.0 + square))
+
+
+@no_type_check
 def sliding(kind, p, speed, old, new, memory, fresh, force, ease):
     """Torques that the rate sets, Stribeck's (8) and the bristles' (9); `ease` of the last guess stays."""
     for b in range(len(speed)):
@@ -144,8 +155,10 @@ def act(kind, p, old, new, speed, before, memory, fresh, force, ease):
         elastic(kind, p, new, force)
     elif kind <= 9:
         sliding(kind, p, speed, old, new, memory, fresh, force, ease)
-    else:
+    elif kind <= 13:
         yielding(kind, p, old, new, memory, fresh, force)
+    else:
+        wound(p, new, force)
 
 
 @no_type_check

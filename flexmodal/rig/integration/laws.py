@@ -27,6 +27,7 @@ from flexmodal.rig.plant.plant import (
     SINH,
     SLIDER,
     STRIBECK,
+    WOUND,
 )
 
 Law = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -152,10 +153,19 @@ def _hertz(
     return p[0] * (p[1] / 3 * pressed - new), memory
 
 
+def _wound(
+    p: np.ndarray, old: np.ndarray, new: np.ndarray, speed: np.ndarray, memory: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The torque of `_hardening` from p₂ on, where it is wound up already."""
+    there, rest = ((new + p[2]) / p[1]) ** 2, (p[2] / p[1]) ** 2
+    return p[0] * ((new + p[2]) * there / (1 + there) - p[2] * rest / (1 + rest)), memory
+
+
 LAWS: Mapping[int, Law] = {
     HARDENING: _hardening, FRICTION: _friction, BACKLASH: _backlash, POLYNOMIAL: _polynomial,
     PIECEWISE: _piecewise, SATURATING: _saturating, SINH: _sinh, STRIBECK: _stribeck, LUGRE: _lugre,
     SLIDER: _slider, BOUC_WEN: _bouc_wen, LOADED: _loaded, HERTZ: _hertz, DRAGGED: _dragged,
+    WOUND: _wound,
 }  # fmt: skip
 
 

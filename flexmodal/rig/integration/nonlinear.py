@@ -138,6 +138,7 @@ def _kernel() -> Kernel:
         kernel.elastic,
         kernel.sliding,
         kernel.yielding,
+        kernel.wound,
     )
     inner, purpose = (kernel.add, *laws, kernel.act, kernel.search), "steps in time"
     return together(*inner, last=kernel.step_through, purpose=purpose, seconds=_COMPILATION)

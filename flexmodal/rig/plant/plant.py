@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 HARDENING, FRICTION, BACKLASH, POLYNOMIAL, PIECEWISE, SATURATING, SINH, HERTZ = range(8)
-STRIBECK, LUGRE, SLIDER, BOUC_WEN, LOADED, DRAGGED = range(8, 14)
+STRIBECK, LUGRE, SLIDER, BOUC_WEN, LOADED, DRAGGED, WOUND = range(8, 15)
 """Kinds of non-linear element; see `laws`."""
 NUMBERS = 5
 """The most that a law takes."""
