@@ -22,7 +22,7 @@ AMPLITUDES = 40
 def joint_laws(diagnosis: Diagnosis) -> Iterator[tuple[tuple[str, str], Swung]]:
     """Each effect of the final model that has a law: name and place, and the joint swung to and fro.
 
-    Of a spring behind the joint's own that spring alone, as far as the joint's swing takes it.
+    Of a spring behind the joint's own that spring alone, as far as the hardest blow swings it.
 
     Args:
         diagnosis: of a campaign of FRFs or of modes.

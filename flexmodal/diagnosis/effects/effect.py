@@ -118,7 +118,8 @@ class Effect:
     for the search, and they take its place where blows are integrated in time (`time_domain`)."""
     behind: Callable[[Placement], tuple[float, float]] | None = None
     """Where the law is that of another spring than the joint's: the stiffness that is linear beside it, and
-    what of the joint's swing it takes."""
+    how far it swings over how far the joint alone would under the same blow. With the same energy both
+    together swing farther, by the root of what their compliance is over the joint's."""
     besides: Callable[[Assembly, Placement], None] | None = None
     """What of `act` stays there then, as it depends on no swing."""
     turn: Callable[[Assembly, Placement, str, np.ndarray], np.ndarray] | None = None

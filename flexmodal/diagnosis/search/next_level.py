@@ -11,7 +11,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import seen_beside
 from flexmodal.diagnosis.search.close_fit import tried_closely
-from flexmodal.diagnosis.search.coarse import Candidate, Look
+from flexmodal.diagnosis.search.coarse import Look
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
@@ -20,10 +20,6 @@ from flexmodal.diagnosis.time_domain.model import has_law
 Rounds = tuple[tuple[float, int, int], ...]
 ROUNDS: Rounds = ((0.2, 0, 40), (0.2, 8, 8), (0.1, 8, 5), (0.03, 8, 3))
 """Model error, steps, and how many starts go on; the last are fitted closely."""
-UNSURE: Rounds = ((0.2, 0, 12), (0.2, 8, 4), (0.1, 8, 2), (0.03, 8, 1))
-"""The same where no place explains what is missing, so that much else is tried."""
-GAINS = 0.9
-"""Part of the narrow law's cost after the first of those rounds that a wider one leaves at most, to go on."""
 BESIDE_INTEGRATED: Rounds = ((0.2, 0, 8), (0.2, 8, 3), (0.1, 8, 2), (0.03, 8, 1))
 """The same for torques beside others that are integrated in time too: each of their steps takes long. Beside
 such torques one start alone is fitted closely."""
@@ -34,8 +30,6 @@ def at_next_level(
     model: FittedFrfs,
     set_out: SetOut,
     is_enough: Callable[[FittedFrfs], bool],
-    *,
-    unsure: bool = False,
 ) -> list[FittedFrfs]:
     """The model with the next level of its last effect, if there is one, fitted closely.
 
@@ -44,8 +38,6 @@ def at_next_level(
         model: fitted, with an effect that is added last.
         set_out: where else the fit may set out, for what was there before that effect.
         is_enough: whether a fit leaves nothing, so that no other start is followed.
-        unsure: whether no place explains what is missing: fewer starts are followed then, and none if the
-            law does not gain soon.
     """
     narrow = model.hypothesis.placed[-1]
     level = narrow.effect.next_level
@@ -63,26 +55,19 @@ def at_next_level(
     placed = hypothesis.placed[-1]
     told = [hypothesis.start(placed, *one) for one in set_out.told(level.effect, narrow.where)]
     seen = seen_beside(setup, model, by_force=narrow.effect.by_force)
-    rounds = UNSURE if unsure else ROUNDS
+    rounds = ROUNDS
     if seen.integrates(model.hypothesis.without(narrow.key)):
         rounds = BESIDE_INTEGRATED
-    least = GAINS * _soon(seen, model, rounds) if unsure else np.inf
-    found = _followed(setup, seen, hypothesis, told, is_enough, rounds, least)
+    found = _followed(setup, seen, hypothesis, told, is_enough, rounds)
     if any(is_enough(one) for one in found):
         return found
     given = level.starts(setup.context, narrow.where, own)
     tried = [hypothesis.start(placed, one, x) for x in before for one in given]
-    found += _followed(setup, seen, hypothesis, tried, is_enough, rounds, least)
+    found += _followed(setup, seen, hypothesis, tried, is_enough, rounds)
     if not found or any(is_enough(one) for one in found):
         return found
     nearest = min(found, key=lambda one: one.cost)
-    return [*found, *at_next_level(setup, nearest, set_out, is_enough, unsure=unsure)]
-
-
-def _soon(seen: Look, model: FittedFrfs, rounds: Rounds) -> float:
-    """Cost of the narrow law after the first round."""
-    floor, steps, _ = rounds[1]
-    return seen.fitted(Candidate(model.hypothesis, model.x, np.inf), floor, steps).cost
+    return [*found, *at_next_level(setup, nearest, set_out, is_enough)]
 
 
 def _followed(
@@ -92,16 +77,12 @@ def _followed(
     tried: Sequence[Float[np.ndarray, " parameter"]],
     is_enough: Callable[[FittedFrfs], bool],
     rounds: Rounds,
-    least: float,
 ) -> list[FittedFrfs]:
-    """The best of some starts, fitted closely; none after one that is enough, nor if none gains soon."""
+    """The best of some starts, fitted closely; none after one that is enough."""
     todo = seen.started(hypothesis, tried, *rounds[0][::2])
     for number, (floor, steps, keep) in enumerate(rounds[1:]):
         setup.advance("fitting a wider law", number / len(rounds))
         todo = sorted((seen.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
-        if not todo or todo[0].cost > least:
-            return []
-        least = np.inf  # of the first round, whose model error is the same
     found: list[FittedFrfs] = []
     for one in todo[:1] if has_law(hypothesis.without(hypothesis.keys[-1])) else todo:
         setup.advance("fitting a wider law", 1 - 1 / len(rounds))

@@ -29,8 +29,7 @@ that were looked at, all with more than noise left, 34 that are there took 0.36 
 took at most 0.50, or were not so sure."""
 NOT_FAR_BEHIND, LIKELY = 1.5, 2
 """Times what an effect left when it was added that another one left, to be tried in its place once others are
-there, and how many of these are. Likewise times the least that any leaves, to be tried with a wider law where
-none takes a good part, how many are, and of how many places that do best without a law."""
+there, and how many of these are."""
 CLEARLY = 2.0
 """Times by which the misfits of all other places have to exceed that of a single effect with its function
 free, for it to be named where it leaves more than noise."""

@@ -53,43 +53,43 @@ class WiderLaws(SearchesBeside):
         if not several and any(over_noise(self.setup, one) <= EXPLAINED for one in found):
             return found
         set_out = starts(before, look)
-        given = SetOut([], set_out.told)
+        x = before.x if several else set_out.before[0]
+        given = SetOut([x], set_out.told)
         nearest = sorted(found, key=lambda one: over_noise(self.setup, one))[:1]
         found = best_of_each([*found, *self._at_next_level(nearest, given)])
         if any(self.is_enough(one) for one in found):
             return found
-        x = before.x if several else set_out.before[0]
         tried = every_law(self.setup, before, x, with_force=self.depends_on_force(before))
         return best_of_each([*found, *followed(self.setup, worth_following(tried), given, self.is_enough)])
 
     def at_next_levels(self, before: FittedFrfs, found: list[FittedFrfs], look: Findings) -> list[FittedFrfs]:
-        """Wider laws too, where every effect in the place that the look points to leaves more by its law.
+        """Wider laws too, where every effect in the place that explains everything leaves more by its law.
 
         More than noise, and more than the functions of that place leave when they are free, or most of what
         is missing: where that is little, it is less than several times the noise to begin with. No narrow law
         is enough where the place is one that only wide ones have, or its curve is of another effect's class.
-        Where free functions explain nothing either the law may tie what no function does.
 
         Args:
             before: the model that something is added to.
             found: with one effect more.
             look: beside it.
         """
+        if not look.explains:
+            return found
         enough = [one for one in found if self.is_enough(one) and left(self.setup, before, one) <= HALF]
         if any(look.met([one.key]) or not self._may_be_another(one, look) for one in enough):
             return self._as_good(found, look)
-        least = LAW_LEAVES * look.left if look.explains else EXPLAINED
         others = swung(self.setup, before, look)
         places = [one for one in found if look.met([one.key]) or one.key in others]
-        does = [one for one in places if not look.explains or left(self.setup, before, one) <= HALF]
+        does = [one for one in places if left(self.setup, before, one) <= HALF]
+        least = LAW_LEAVES * look.left
         if look.found[0].port not in WIDE and any(over_noise(self.setup, one) <= least for one in does):
             return found
-        wider = self._at_next_level(places, starts(before, look), unsure=not look.explains)
-        return best_of_each([*found, *wider])
+        return best_of_each([*found, *self._at_next_level(places, starts(before, look))])
 
     def _as_good(self, found: list[FittedFrfs], look: Findings) -> list[FittedFrfs]:
         """With wider laws at places that do as well as the best without a law, if they leave nothing."""
-        alike = look.found[0].alike if look.explains else ()
+        alike = look.found[0].alike
         narrow = [
             one for one in found if (PORT_OF.get(one.key[0]), one.key[1]) in alike and not self.is_enough(one)
         ]
@@ -98,9 +98,7 @@ class WiderLaws(SearchesBeside):
 
     def _may_be_another(self, model: FittedFrfs, look: Findings) -> bool:
         """Whether a law leaves something, where the curve that explains all is of a class that is known."""
-        return (
-            look.explains and bool(look.found[0].classes) and over_noise(self.setup, model) > NOTHING_HIDDEN
-        )
+        return bool(look.found[0].classes) and over_noise(self.setup, model) > NOTHING_HIDDEN
 
     def at_last(self, before: FittedFrfs, found: list[FittedFrfs]) -> list[FittedFrfs]:
         """The wider law of an effect that takes all but a little, wherever it is, if that leaves nothing.
@@ -130,11 +128,9 @@ class WiderLaws(SearchesBeside):
         given = partial(at_next_level, set_out=SetOut([]), is_enough=self._is_clear)
         return best_of_each([more for one in turned for more in given(self.setup, one)])
 
-    def _at_next_level(
-        self, models: Sequence[FittedFrfs], set_out: SetOut, *, unsure: bool = False
-    ) -> list[FittedFrfs]:
+    def _at_next_level(self, models: Sequence[FittedFrfs], set_out: SetOut) -> list[FittedFrfs]:
         """Models with the next level of their last effects."""
-        given = partial(at_next_level, set_out=set_out, is_enough=self.is_enough, unsure=unsure)
+        given = partial(at_next_level, set_out=set_out, is_enough=self.is_enough)
         return [more for one in models for more in given(self.setup, one)]
 
     def _is_clear(self, model: FittedFrfs) -> bool:
