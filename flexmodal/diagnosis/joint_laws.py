@@ -37,7 +37,7 @@ def joint_laws(diagnosis: Diagnosis) -> Iterator[tuple[tuple[str, str], Swung]]:
         placement, share = Placement.still(context, one.where, own), 1.0
         if one.effect.shape is not None:
             one.effect.shape(assembly, placement)
-        laws = one.effect.law(assembly, placement)
+        laws = [law.of_system(0) for law in one.effect.law(assembly, placement)]
         card = context.robot.joints[one.where]
         stiffness = float(values.get(f"stiffness.{one.where}", card.stiffness))
         if one.effect.behind is not None:

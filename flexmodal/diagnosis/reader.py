@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Int, Shaped
@@ -18,6 +18,8 @@ class Reader:
 
     points: Shaped[np.ndarray, " entry"]
     """Name of the response point of each receptance."""
+    responses: Int[np.ndarray, "entry 2"]
+    """Its id, and the direction."""
     systems: Int[np.ndarray, " entry"]
     """In which of the placements' systems each was read."""
     placements: Sequence[tuple[Effect, Placement]]
@@ -44,5 +46,6 @@ class Reader:
         assert effect.read is not None
         own = self.points == placement.where
         if own.any():
-            found[own] = effect.read(placement.of_systems(self.systems[own]), axis)
+            read = replace(placement.of_systems(self.systems[own]), response=self.responses[own])
+            found[own] = effect.read(read, axis)
         return found

@@ -42,10 +42,10 @@ class Part:
     """The receptance of each."""
 
     @cached_property
-    def read(self) -> Int[np.ndarray, " entry"]:
-        """Id of the response point of each entry."""
+    def read(self) -> Int[np.ndarray, "entry 2"]:
+        """Response point and direction of each entry."""
         system, u, _ = self.entries.table.T
-        return self.where[u if self.responses is None else self.responses[system, u], 0]
+        return self.where[u if self.responses is None else self.responses[system, u]]
 
     @property
     def key(self) -> tuple[Hashable, ...]:

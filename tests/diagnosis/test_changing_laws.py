@@ -189,7 +189,7 @@ def test_a_spring_behind_the_joints_own_sets_out_from_the_card(arm):
     joint = context.joints[0]
     hypothesis = Hypothesis(context, robot_space(context.robot)).and_also(Placed(BEHIND, joint))
     before = np.full(len(hypothesis.base), 0.3)
-    given = effect_of("nonlinear_stiffness" + NEXT).next_level.starts(context, joint, {})[0]
+    given = effect_of("nonlinear_stiffness" + NEXT + NEXT).next_level.starts(context, joint, {})[0]
     x = hypothesis.start(hypothesis.placed[-1], given, before)
     values = hypothesis.space.values(x)
     for kind in ("stiffness", "damping"):

@@ -90,7 +90,7 @@ def test_systems_apart_by_sensor_or_blow_have_their_own_rows_and_the_same_recept
         own, every = other.part, one.part
         assert ("response" in variants) == (own.entries.rows[0] < every.entries.rows[0])
         assert ("blow" in variants) == (own.entries.rows[1] < every.entries.rows[1])
-        np.testing.assert_array_equal(own.read[own.entry], observed.response[own.observations, 0])
+        np.testing.assert_array_equal(own.read[own.entry], observed.response[own.observations])
     np.testing.assert_allclose(predict(apart, x, observed), predict(plain, x, observed), rtol=1e-9)
     weighing = Weighting(0.05, np.arange(0, len(observed.axis), 7))
     found = [FrfMisfit(model, observed, weighing).equations(x) for model in (apart, plain)]

@@ -72,7 +72,8 @@ def test_slow_friction_goes_by_the_speed():
         ("coulomb_friction", None),
         ("coulomb_friction" + NEXT, None),
         ("nonlinear_stiffness" + NEXT, None),
-        ("nonlinear_stiffness" + NEXT + NEXT, 0.5),
+        ("nonlinear_stiffness" + NEXT + NEXT, None),
+        ("nonlinear_stiffness" + NEXT + NEXT + NEXT, 0.5),
     ],
 )
 def test_a_report_tells_what_was_found_in_a_joint(context, name, softer):

@@ -18,6 +18,7 @@ from flexmodal.diagnosis.effects.behind_spring import BEHIND
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
 from flexmodal.diagnosis.effects.swing import PHASE, bent, largest, one_level, swing_of, typical
+from flexmodal.diagnosis.effects.under_weight import UNDER_WEIGHT
 from flexmodal.diagnosis.time_domain.law import KNEE, Law, hardening, knee
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
@@ -150,7 +151,7 @@ CURVE = Effect(
     law=_spring,
     variants=("blow",),
     comes_close=True,
-    next_level=Level.anew(BEHIND),
+    next_level=Level.anew(replace(UNDER_WEIGHT, next_level=Level.anew(BEHIND))),
     untestable=one_level,
     physical=_hardening_physical,
     units={"cubic_stiffness": "N·m/rad³"},

@@ -66,8 +66,10 @@ def _turn(assembly: Assembly, placement: Placement, point: str, way: np.ndarray)
 
 def _loosened(placement: Placement, vector: np.ndarray) -> np.ndarray:
     """What of a turn is there in each system, if a part of it came from the first posture to the last."""
-    part = placement.values.get(LOOSENS, 0.0)
-    return vector * (1 - part * (1 - placement.progress))[:, None] if part else vector
+    part, since = placement.values.get(LOOSENS, 0.0), placement.values.get(KNOCKED, ALWAYS)
+    if part:
+        vector = vector * (1 - part * (1 - placement.progress))[:, None]
+    return vector if since == ALWAYS else vector * (placement.progress >= since)[:, None]
 
 
 def _aside(placement: Placement, point: str) -> np.ndarray:
@@ -98,6 +100,8 @@ LOOSENS = "loosens"
 """Part of its turn in the last posture that it has made since the first, as where its stud comes loose."""
 LOOSE = (0.8, -1.0)
 """Such parts from which fits start."""
+KNOCKED, ALWAYS = "knocked", -0.1
+"""How far through the campaign it was when it was turned; before the beginning if it was so always."""
 SAGS = 0.3
 """Turn of one that stands out level, from which fits of one that sags start [rad]."""
 ANY, QUARTER = 3.2, np.pi / 2
@@ -132,6 +136,7 @@ def _wide_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         *lean,
         signed(FOLLOWING, "", 0.2, -1.5, 1.5),
         signed(LOOSENS, "of the turn", 0.3, -3.0, 1.2),
+        signed(KNOCKED, "of the campaign", 1.0, ALWAYS, 1.0, centre=ALWAYS),
         *(signed(name, "rad", 0.15, -1.3, 1.3) for name in _sags(context)),
     )
 
@@ -160,6 +165,12 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
     """
     sags = [{**values, name: way * SAGS} for name in _sags(context) for way in (1, -1)]
     loose = [{**values, **_turned_by(values, 1.5), LOOSENS: part} for part in LOOSE]
+    steps = max(len(context.postures) - 1, 1)
+    knocks = [
+        {**values, **_turned_by(values, size), KNOCKED: (k - 0.5) / steps}
+        for k in range(1, steps + 1)
+        for size in (1.0, 2.0)
+    ]
     follows = [start for part in FOLLOWED for start in ({**values, FOLLOWING: part}, {FOLLOWING: part})]
     if context.normal is not None:
         quarters = [{**values, "angle": angle} for angle in (0.0, QUARTER, -QUARTER, 2 * QUARTER)]
@@ -167,6 +178,7 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
             values,
             *sags,
             *loose,
+            *knocks,
             *follows,
             *({**one, MIRRORED: side} for side in (0.0, 1.0) for one in quarters),
         ]
@@ -178,6 +190,7 @@ def _wide_starts(context: Context, where: str, values: Mapping[str, float]) -> l
         values,
         *sags,
         *loose,
+        *knocks,
         *follows,
         *leaning,
         *({**values, **one, MIRRORED: side} for side in (0.0, 1.0) for one in cube),

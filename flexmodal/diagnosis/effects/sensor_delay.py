@@ -1,6 +1,7 @@
 """A sensor that lags: a delay, low passes, an all-pass, an average over a time.
 
-At the next level with another low pass, and later and later, or earlier, from the first posture to the last.
+At the next level with another low pass, later and later, or earlier, from the first posture to the last, and
+later along one axis than along another, as of a converter that takes its channels in turn.
 """
 
 from __future__ import annotations
@@ -38,6 +39,10 @@ DRIFT = "drift"
 """By how much later the sensor is in the last posture than in the first, as of a clock of its own."""
 DRIFTS = (-4e-3, -1e-3, 1e-3, 4e-3)
 """From which fits start [s]."""
+LATER = ("second_later", "third_later")
+"""By how much later it reads its second and its third axis than its first."""
+SKEWS = tuple(sign * skew for skew in (2e-4, 6e-4, 2e-3) for sign in (1, -1))
+"""From which fits start [s]."""
 LEAST = 1e-6
 """Size of the average of a whole period, which is nothing."""
 
@@ -62,6 +67,9 @@ def _lag(placement: Placement, axis: Axis) -> np.ndarray:
         lag = lag - np.log1p(low + placement[FURTHER[1]] * low**2)
     if placement.values.get(DRIFT):
         lag = lag - (placement[DRIFT] * placement.progress)[:, None] * axis.s
+    if LATER[0] in placement.values:
+        later = np.array([0.0, *(placement[name] for name in LATER)])
+        lag = lag - later[placement.response[:, 1] - 1][:, None] * axis.s
     return np.asarray(lag + np.log(mean))
 
 
@@ -82,6 +90,7 @@ def _further_parameters(context: Context, where: str) -> tuple[Parameter, ...]:
         positive(time, "s", 1e-5, 2.5, 1e-6, 0.1),
         signed(order, "", 0.6, 0.0, 4.0),
         signed(DRIFT, "s", 2e-3, -0.03, 0.03),
+        *(signed(name, "s", 1e-3, -0.02, 0.02) for name in LATER),
     )
 
 
@@ -93,6 +102,13 @@ def _further_starts(context: Context, where: str, values: Mapping[str, float]) -
     alone = {**values, "delay": 0.0, "all_pass_time": 1e-6, "averaged_over": 1e-6}
     sections = {"second_order": 1 / slow**2, order: 1 / fast**2}
     found += [{**one, DRIFT: drift} for one in (values, alone) for drift in DRIFTS]
+    second, third = LATER
+    found += [
+        {**one, second: part * skew, third: skew}
+        for one in (values, alone)
+        for skew in SKEWS
+        for part in (0.5, 1.0)
+    ]
     return [
         *found,
         *({**alone, **sections, "time_constant": slow * one, time: fast * one} for one in FILTERS),

@@ -83,7 +83,9 @@ def swing_of(placement: Placement) -> tuple[Float[np.ndarray, " system"], Float[
     return amplitude * placement.values.get("reach", 1.0), omega
 
 
-def bent(amplitude: Float[np.ndarray, "*many"], softness: float, wound: float) -> Float[np.ndarray, "*many"]:
+def bent(
+    amplitude: Float[np.ndarray, "*many"], softness: float, wound: float | Float[np.ndarray, "*many"]
+) -> Float[np.ndarray, "*many"]:
     """Part of what a knee adds that an amplitude sees.
 
     Args:
@@ -92,7 +94,7 @@ def bent(amplitude: Float[np.ndarray, "*many"], softness: float, wound: float) -
         wound: elongation about which it swings, over the deflection.
     """
     a, wave = np.maximum(amplitude, 1e-4), np.cos(PHASE)
-    u = wound + a[..., None] * wave
+    u = np.asarray(wound)[..., None] + a[..., None] * wave
     torque = u * (1 - 2 / (np.hypot(u - 1, softness) + np.hypot(u + 1, softness)))
     return np.asarray(2 / len(PHASE) * np.sum(torque * wave, axis=-1) / a)
 

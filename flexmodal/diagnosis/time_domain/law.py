@@ -45,10 +45,19 @@ class Law:
     parameters: tuple[float, ...]
     """Of friction T_c, σ, i, r, v_s, τ, μ k, u₀; of a spring a k, q_r, q_r u₀, the linear part on top; of
     what is viscous when slow T_v, v_t; of a knee A, d, u₀, the linear part, e; then zeros."""
+    wound: Float[np.ndarray, " system"] | None = None
+    """u₀ of a knee where it is not the same in all systems."""
 
     def of_system(self, k: int) -> Law:
-        """In one of the systems, if its row is not the same in all."""
-        return self if self.row.ndim == 1 else replace(self, row=self.row[k])
+        """In one of the systems, if it is not the same in all.
+
+        Args:
+            k: number of the system.
+        """
+        row, given = self.row if self.row.ndim == 1 else self.row[k], self.parameters
+        if self.wound is not None:
+            given = (*given[:2], float(self.wound[k]), *given[3:])
+        return Law(row, self.kind, given)
 
 
 def _law(row: Float[np.ndarray, "*system dof"], kind: int, *given: float) -> Law:
@@ -158,3 +167,25 @@ def knee(
     scale = 1 / (1 + rise / at_rest)
     linear = -scale * top * begins + (scale - 1) * at_rest
     return _law(row, KNEE, scale * top, deflection, wound, linear, softness * deflection)
+
+
+def loaded_knee(
+    row: Float[np.ndarray, "*system dof"],
+    stiffness: float,
+    deflection: float,
+    softness: float,
+    wound: Float[np.ndarray, " system"],
+) -> Law:
+    """The same where the linear spring beside it is that at no load, and the load another one in each system.
+
+    Args:
+        row: elongation by the coordinates.
+        stiffness: that comes on top far out; negative if the spring softens [N·m/rad].
+        deflection: d [rad].
+        softness: over how many deflections the knee is rounded.
+        wound: how far a load has wound it up at rest [rad].
+    """
+    round_off = float(np.hypot(1.0, softness))
+    top = stiffness * round_off
+    law = _law(row, KNEE, top, deflection, 0.0, -top * (1 - 1 / round_off), softness * deflection)
+    return replace(law, wound=wound)
