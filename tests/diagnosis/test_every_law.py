@@ -100,10 +100,14 @@ def tried(cost, key, narrower=None):
 
 
 def test_the_best_level_of_a_few_places_is_followed():
-    one, other = ("joint_coupling", "q1+q2"), ("added_mass", "link_2")
-    many = [tried(1.0, one), tried(1.1, one), tried(1.9, other), tried(2.1, ("added_mass", "link_3"))]
+    """Where a wider law leaves far less than every narrow one does."""
+    one, other, below = ("joint_coupling", "q1+q2"), ("added_mass", "link_2"), Mock(spec=Candidate)
+    many = [tried(1.0, one, below), tried(1.1, one, below), tried(1.9, other, below)]
+    many += [tried(2.1, ("added_mass", "link_3"), below), tried(2.4, other)]
     assert worth_following(many) == [many[0], many[2]]
-    alike = [tried(1.0 + k / 10, ("added_mass", f"link_{k}")) for k in range(5)]
+    assert worth_following([*many, tried(2.3, one)]) == [many[0]]
+    assert worth_following([tried(0.9, other), *many]) == []
+    alike = [tried(1.0 + k / 10, ("added_mass", f"link_{k}"), below) for k in range(5)]
     assert worth_following(alike) == alike[:3]
     assert worth_following([]) == []
 
@@ -113,11 +117,11 @@ def test_the_best_level_of_a_few_places_is_followed():
     [
         ("reached", ["wide"], []),
         ("wider", ["wide", "below"], ["below"]),
-        ("nothing", ["wide", "below", "alone"], ["below", "alone"]),
+        ("nothing", ["wide", "below", "alone", "below"], ["below", "below"]),
     ],
 )
 def test_what_is_enough_ends_it(monkeypatch, enough, fitted, widened):
-    """From where it has come to, and else by all starts from the level below on, of the narrowest its own."""
+    """From where it has come to, and else by all starts from the level below on."""
     asked, further = [], []
 
     def closely(setup, hypothesis, x):
@@ -133,34 +137,24 @@ def test_what_is_enough_ends_it(monkeypatch, enough, fitted, widened):
     below = Mock(spec=Candidate, hypothesis="below", x=None)
     many = [
         Tried(Mock(spec=Candidate, hypothesis="wide", x=None), below),
-        Tried(Mock(spec=Candidate, hypothesis="alone", x=None), None),
+        Tried(Mock(spec=Candidate, hypothesis="alone", x=None), below),
     ]
     followed(Mock(spec=Setup), many, SetOut([]), lambda one: one.told == enough)
     assert (asked, further) == (fitted, widened)
 
 
 @pytest.mark.parametrize(
-    ("several", "over", "rest", "nearest", "swept"),
-    [
-        (False, 3.0, 1.0, 3.0, True),
-        (False, 1.9, 1.0, 3.0, False),
-        (False, 3.0, 1.0, 1.0, False),
-        (True, 3.0, 0.9, 3.0, True),
-        (True, 3.0, 0.5, 3.0, False),
-    ],
+    ("several", "over", "rest", "swept"),
+    [(False, 3.0, 1.0, True), (False, 1.9, 1.0, False), (True, 3.0, 0.9, True), (True, 3.0, 0.5, False)],
 )
-def test_every_law_is_tried_where_none_takes_a_good_part(monkeypatch, several, over, rest, nearest, swept):
-    """After the wider law of what comes nearest: beside the robot alone where something is left at all."""
+def test_every_law_is_tried_where_none_takes_a_good_part(monkeypatch, several, over, rest, swept):
+    """Beside the robot alone where something is left at all; from the card there, and else from what is."""
     found = [Mock(spec=FittedFrfs, key=("added_mass", "a"), cost=3.0, over=over) for _ in range(2)]
-    wider = Mock(spec=FittedFrfs, key=("added_mass", "a"), cost=2.5, over=nearest)
     right = Mock(spec=FittedFrfs, key=("joint_coupling", WHERE), cost=0.1, over=1.0)
-    for one in (*found, wider, right):
-        one.hypothesis = Mock(placed=(Mock(effect=Mock(comes_close=False)),))
     asked = []
     monkeypatch.setattr(wider_laws, "over_noise", lambda setup, one: one.over)
     monkeypatch.setattr(wider_laws, "left", lambda *given: rest)
     monkeypatch.setattr(wider_laws, "starts", lambda *given: SetOut([np.zeros(1)]))
-    monkeypatch.setattr(wider_laws, "at_next_level", lambda setup, one, **more: [wider])
     monkeypatch.setattr(wider_laws, "every_law", lambda *given, with_force: asked.append(given[2]) or [])
     monkeypatch.setattr(wider_laws, "followed", lambda *given: [right])
     candidates = FrfCandidates.__new__(FrfCandidates)

@@ -55,10 +55,6 @@ class WiderLaws(SearchesBeside):
         set_out = starts(before, look)
         x = before.x if several else set_out.before[0]
         given = SetOut([x], set_out.told)
-        nearest = sorted(found, key=lambda one: over_noise(self.setup, one))[:1]
-        found = best_of_each([*found, *self._at_next_level(nearest, given)])
-        if any(self.is_enough(one) for one in found):
-            return found
         tried = every_law(self.setup, before, x, with_force=self.depends_on_force(before))
         return best_of_each([*found, *followed(self.setup, worth_following(tried), given, self.is_enough)])
 
