@@ -38,7 +38,7 @@ NAMES = "joint_coupling", "added_mass"
 @pytest.fixture(scope="module")
 def looked():
     """A setup in which two joints hold the tool along a direction, and the robot re-tuned to that."""
-    context, observed, _ = seen_and_simulated("six_link", 4, points=4)
+    context, observed, _ = seen_and_simulated("fanuc_s360", 4, points=4)
     root = Hypothesis(context, robot_space(context.robot))
     held = root.and_also(Placed(HELD_TOOL, WHERE))
     zero = np.zeros(len(root.space))
@@ -87,12 +87,12 @@ def test_what_depends_on_the_blow_is_tried_where_that_matters_and_what_is_there_
     zero = np.zeros(len(root.x))
     assert every_law(friction, root, zero, with_force=False) == []
     found = every_law(friction, root, zero, with_force=True)
-    assert {one.reached.key[1] for one in found} == set(setup.context.robot.joints)
+    assert {one.reached.key[1] for one in found} == set(setup.context.joints)
     there = replace(root, hypothesis=root.hypothesis.and_also(Placed(friction.effects[0], "q1")))
     x = np.zeros(len(there.hypothesis.space))
     there = replace(there, fitted=replace(root.fitted, x=x))
     found = every_law(friction, there, x, with_force=True)
-    assert {one.reached.key[1] for one in found} == set(setup.context.robot.joints) - {"q1"}
+    assert {one.reached.key[1] for one in found} == set(setup.context.joints) - {"q1"}
 
 
 def tried(cost, key, narrower=None):
