@@ -290,11 +290,10 @@ class Hypothesis:
         reading = [one for one in self.placed if one.effect.read is not None]
         if not reading:
             return None
-        points = np.array([self.context.point(number).name for number in part.read[:, 0].tolist()])
         moved = [
             (shift.number, shift.step, shift.placed.effect, self._placement(shift.placed, part, shift.values))
             for shift in shifts or ()
             if shift.placed in reading
         ]
         placements = [(one.effect, self._placement(one, part, values)) for one in reading]
-        return Reader(points, part.read, part.entries.table[:, 0], placements, moved)
+        return Reader(part.read, part.entries.table[:, 0], placements, moved)

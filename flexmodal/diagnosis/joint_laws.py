@@ -22,7 +22,8 @@ AMPLITUDES = 40
 def joint_laws(diagnosis: Diagnosis) -> Iterator[tuple[tuple[str, str], Swung]]:
     """Each effect of the final model that has a law: name and place, and the joint swung to and fro.
 
-    Of a spring behind the joint's own that spring alone, as far as the hardest blow swings it.
+    Of a spring behind the joint's own that spring alone, as far as the hardest blow swings it. One that a
+    load winds up otherwise in each posture is that of the first posture.
 
     Args:
         diagnosis: of a campaign of FRFs or of modes.

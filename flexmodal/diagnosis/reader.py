@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Complex, Int, Shaped
+from jaxtyping import Complex, Int
 
 from flexmodal.diagnosis.effects.effect import Effect, Placement
 from flexmodal.structure.structure import Axis
@@ -16,10 +16,8 @@ from flexmodal.structure.structure import Axis
 class Reader:
     """What sensors make of the motion at their points."""
 
-    points: Shaped[np.ndarray, " entry"]
-    """Name of the response point of each receptance."""
     responses: Int[np.ndarray, "entry 2"]
-    """Its id, and the direction."""
+    """Id of the response point of each receptance, and the direction."""
     systems: Int[np.ndarray, " entry"]
     """In which of the placements' systems each was read."""
     placements: Sequence[tuple[Effect, Placement]]
@@ -42,9 +40,9 @@ class Reader:
         return np.asarray(sum(before.values())), slopes
 
     def _log(self, axis: Axis, effect: Effect, placement: Placement) -> Complex[np.ndarray, "entry line"]:
-        found = np.zeros((len(self.points), len(axis)), dtype=complex)
+        found = np.zeros((len(self.responses), len(axis)), dtype=complex)
         assert effect.read is not None
-        own = self.points == placement.where
+        own = self.responses[:, 0] == placement.context.point(placement.where).id
         if own.any():
             read = replace(placement.of_systems(self.systems[own]), response=self.responses[own])
             found[own] = effect.read(read, axis)

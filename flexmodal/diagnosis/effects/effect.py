@@ -127,7 +127,8 @@ class Effect:
     aside: Callable[[Placement, str], np.ndarray] | None = None
     """How far off its recorded place a sensor sits, by its point's name [m, in the frame of the link]."""
     read: Callable[[Placement, Axis], complex | np.ndarray] | None = None
-    """ln(reading / motion) of the sensor at `where`; the same for all that it read, or for each."""
+    """ln(reading / motion) of the sensor at `where`; the same for all that it read, or for each, whose point
+    and direction the placement has here."""
     simpler: Mapping[str, Sequence[str]] = field(default_factory=dict)
     """Effects that it comes down to in a limit, in the same place, and the parameters that they share."""
     limit: str = ""

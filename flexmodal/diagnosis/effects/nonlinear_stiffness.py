@@ -17,7 +17,15 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.behind_spring import BEHIND
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level, Placement, positive, signed
-from flexmodal.diagnosis.effects.swing import PHASE, bent, largest, one_level, swing_of, typical
+from flexmodal.diagnosis.effects.swing import (
+    PHASE,
+    bent,
+    joint_stiffness,
+    largest,
+    one_level,
+    swing_of,
+    typical,
+)
 from flexmodal.diagnosis.effects.under_weight import UNDER_WEIGHT
 from flexmodal.diagnosis.time_domain.law import KNEE, Law, hardening, knee
 from flexmodal.structure import Parameter
@@ -52,15 +60,8 @@ FAR, APART = 30.0, 4.0
 """Deflections of a spring that is all but cubic within some of them, and of one that follows the first."""
 
 
-def _stiffness(placement: Placement) -> float:
-    """Of the joint at small swings [N·m/rad]."""
-    return placement.values.get(
-        f"stiffness.{placement.where}", float(placement.context.robot.joints[placement.where].stiffness)
-    )
-
-
 def _spring(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
-    deflection, stiffness = placement["deflection"], _stiffness(placement)
+    deflection, stiffness = placement["deflection"], joint_stiffness(placement)
     row, more = assembly.stretch_of(placement.where), placement["change"] * stiffness
     wound = placement["wound"] * deflection
     if _CUBIC not in placement.values:

@@ -65,7 +65,7 @@ def _turn(assembly: Assembly, placement: Placement, point: str, way: np.ndarray)
 
 
 def _loosened(placement: Placement, vector: np.ndarray) -> np.ndarray:
-    """What of a turn is there in each system, if a part of it came from the first posture to the last."""
+    """What of a turn is there in each system, if it came little by little or at once."""
     part, since = placement.values.get(LOOSENS, 0.0), placement.values.get(KNOCKED, ALWAYS)
     if part:
         vector = vector * (1 - part * (1 - placement.progress))[:, None]

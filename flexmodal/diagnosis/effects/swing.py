@@ -99,6 +99,16 @@ def bent(
     return np.asarray(2 / len(PHASE) * np.sum(torque * wave, axis=-1) / a)
 
 
+def joint_stiffness(placement: Placement) -> float:
+    """Of the joint's own spring, as it is fitted [N·m/rad].
+
+    Args:
+        placement: at a joint.
+    """
+    where = placement.where
+    return placement.values.get(f"stiffness.{where}", float(placement.context.robot.joints[where].stiffness))
+
+
 def typical(context: Context, where: str) -> tuple[float, float]:
     """Swing of a joint under the blows of the campaign [rad], and its speed [rad/s], geometric means.
 

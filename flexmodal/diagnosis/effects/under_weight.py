@@ -13,16 +13,15 @@ from itertools import product
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.diagnosis.effects.behind_spring import CHANGE, DEFLECTION, SOFTNESS, WOUND
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Placement, positive, signed
-from flexmodal.diagnosis.effects.swing import bent, largest, one_level, swing_of, typical
+from flexmodal.diagnosis.effects.swing import bent, joint_stiffness, largest, one_level, swing_of, typical
 from flexmodal.diagnosis.effects.weight import moments
 from flexmodal.diagnosis.time_domain.law import Law, loaded_knee
 from flexmodal.structure import Parameter
 from flexmodal.structure.assembly import Assembly
 
-CHANGE, DEFLECTION, WOUND, SOFTNESS = "change", "deflection", "wound", "softness"
-"""Of the knee: part of the stiffness that comes on top, and where; how far something else has wound it up."""
 BY_WEIGHT = "by_weight"
 """How far the weight has wound it up, where it pulls most."""
 NO_WEIGHT = 1e-6
@@ -44,10 +43,8 @@ def _wound(placement: Placement) -> Float[np.ndarray, " system"]:
 
 
 def _law(assembly: Assembly, placement: Placement) -> tuple[Law, ...]:
-    where, bend = placement.where, placement[DEFLECTION]
-    card = float(placement.context.robot.joints[where].stiffness)
-    more = placement[CHANGE] * placement.values.get(f"stiffness.{where}", card)
-    row = assembly.stretch_of(where)
+    bend, row = placement[DEFLECTION], assembly.stretch_of(placement.where)
+    more = placement[CHANGE] * joint_stiffness(placement)
     return (loaded_knee(row, more, bend, placement[SOFTNESS], bend * _wound(placement)),)
 
 

@@ -19,7 +19,7 @@ from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import seen_beside
 from flexmodal.diagnosis.search.close_fit import tried_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look
-from flexmodal.diagnosis.search.next_level import at_next_level
+from flexmodal.diagnosis.search.next_level import at_next_level, of_last
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
@@ -27,9 +27,9 @@ from flexmodal.diagnosis.setup import Setup
 MODEL_ERROR, STEPS, STARTS = 0.2, 5, 2
 """At which they are compared, how far each is fitted, and from how many starts."""
 GAINS = 0.8
-"""Part of what the best narrow law leaves that a wider one leaves at most, to be followed: where several are
-missing none does, and each takes long to be fitted closely. In four looked-at campaigns that had come to
-nothing otherwise the true law came first, with 0.02 to 0.69 of it."""
+"""Part of what the best narrow law leaves that a wider one leaves at most, to be followed, as each takes long
+to be fitted closely. In four looked-at campaigns that had come to nothing otherwise the true law came first,
+with 0.02 to 0.69 of it."""
 FOLLOWED, BEHIND = 3, 2.0
 """Places that are followed at most, up to so many times the least cost."""
 
@@ -85,7 +85,7 @@ def _levels(
         if where not in placed.effect.places(context):
             continue
         hypothesis = before.and_also(placed)
-        own: dict[str, float] = {} if below is None else _values(below)
+        own: dict[str, float] = {} if below is None else of_last(below.hypothesis, below.x)
         tried = [hypothesis.start(placed, one, x) for one in given(context, where, own)]
         some = seen.started(hypothesis, tried, MODEL_ERROR, STARTS)
         fitted = [seen.fitted(one, MODEL_ERROR, STEPS) for one in some]
@@ -94,15 +94,6 @@ def _levels(
         reached = min(fitted, key=lambda one: one.cost)
         yield Tried(reached, below)
         below = reached
-
-
-def _values(one: Candidate) -> dict[str, float]:
-    """Of the parameters of its last effect."""
-    hypothesis = one.hypothesis
-    placed = hypothesis.placed[-1]
-    values = hypothesis.values_of(placed, hypothesis.space.values(one.x))
-    names = (parameter.name for parameter in placed.effect.parameters(hypothesis.context, placed.where))
-    return {name: values[name] for name in names}
 
 
 def worth_following(tried: Sequence[Tried]) -> list[Tried]:

@@ -46,11 +46,7 @@ def at_next_level(
     if level is None:
         return []
     hypothesis = model.hypothesis.without(narrow.key).and_also(Placed(level.effect, narrow.where))
-    values = model.hypothesis.values_of(narrow, model.hypothesis.space.values(model.x))
-    own = {
-        parameter.name: values[parameter.name]
-        for parameter in narrow.effect.parameters(setup.context, narrow.where)
-    }
+    own = of_last(model.hypothesis, model.x)
     before = [model.x[: -len(own)], *set_out.before]
     placed = hypothesis.placed[-1]
     told = [hypothesis.start(placed, *one) for one in set_out.told(level.effect, narrow.where)]
@@ -68,6 +64,19 @@ def at_next_level(
         return found
     nearest = min(found, key=lambda one: one.cost)
     return [*found, *at_next_level(setup, nearest, set_out, is_enough)]
+
+
+def of_last(hypothesis: Hypothesis, x: Float[np.ndarray, " parameter"]) -> dict[str, float]:
+    """Values of the last effect's own parameters, without prefix.
+
+    Args:
+        hypothesis: with effects.
+        x: its coordinates.
+    """
+    placed = hypothesis.placed[-1]
+    values = hypothesis.values_of(placed, hypothesis.space.values(x))
+    names = (parameter.name for parameter in placed.effect.parameters(hypothesis.context, placed.where))
+    return {name: values[name] for name in names}
 
 
 def _followed(

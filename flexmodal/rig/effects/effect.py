@@ -123,6 +123,15 @@ class Effect:
         return self.name if self.form == OWN else f"{self.name}:{self.form}"
 
 
+def standing(stand: Stand) -> list[PlantAssembly]:
+    """The robot in each posture of the plan, nothing hidden in it.
+
+    Args:
+        stand: with the plan.
+    """
+    return [PlantAssembly(stand.robot.at(dict(posture.q))) for posture in stand.plan.postures]
+
+
 def drawing(draw: Draw | None = None, /, **spans: tuple[float, float]) -> Draw:
     """Parameters drawn evenly from spans, after those of another way to draw.
 

@@ -8,6 +8,7 @@ reflected to the joint and turns about the joint's own axis only (Spong, ASME J.
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 
 from flexmodal.rig.effects.effect import Effect, Parameters, Site, Stand, positive
 from flexmodal.rig.plant.assembly import PlantAssembly
@@ -28,17 +29,28 @@ def _draw(stand: Stand, where: str, random: np.random.Generator) -> dict[str, fl
     }
 
 
-def _act(assembly: PlantAssembly, site: Site) -> None:
+def free_rotor(assembly: PlantAssembly, site: Site, inertia: float) -> Float[np.ndarray, " dof"]:
+    """Free the rotor: the joint's spring goes to it instead of to a locked motor. Its row.
+
+    Args:
+        assembly: the plant in the making.
+        site: whose joint.
+        inertia: of the rotor, at the joint [kg·m², kg].
+    """
     joint = site.where
     k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
     assembly.add_coordinates([f"{joint} motor"])
-    motor = assembly.row(f"{joint} motor")
-    link = assembly.stretch(joint)
-    assembly.add_spring(link, -k, -b)  # the joint's own spring, which went from link to a locked motor
+    motor, link = assembly.row(f"{joint} motor"), assembly.stretch(joint)
+    assembly.add_spring(link, -k, -b)
     assembly.add_spring(link - motor, k, b)
-    assembly.add_spring(motor, site["proportional_gain"], site["derivative_gain"])
-    assembly.add_inertia(motor, site["rotor_inertia"])
+    assembly.add_inertia(motor, inertia)
     assembly.elongation[joint] = link - motor  # what other effects of this joint act on
+    return motor
+
+
+def _act(assembly: PlantAssembly, site: Site) -> None:
+    motor = free_rotor(assembly, site, site["rotor_inertia"])
+    assembly.add_spring(motor, site["proportional_gain"], site["derivative_gain"])
 
 
 def _scaled(parameters: Parameters, s: float) -> dict[str, float]:

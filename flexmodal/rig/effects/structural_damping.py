@@ -12,7 +12,6 @@ import numpy as np
 
 from flexmodal.rig.effects.effect import Effect, Site, Stand, multiplied, within
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.plant import Branch
 
 ELEMENTS = 9
 
@@ -51,9 +50,7 @@ def _act(assembly: PlantAssembly, site: Site) -> None:
         k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
         row = assembly.stretch(joint)
         assembly.add_spring(row, (static - 1) * k, (site["viscous"] - 1) * b)
-        assembly.branches += [
-            Branch(row, float(g) * k, float(t)) for g, t in zip(strengths, times, strict=True) if g > 0
-        ]
+        assembly.add_relaxation(row, strengths * k, times)
 
 
 EFFECT = Effect(

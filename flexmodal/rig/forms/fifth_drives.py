@@ -15,15 +15,17 @@ from flexmodal.rig.effects.effect import (
     each,
     multiplied,
     positive,
+    standing,
     within,
 )
 from flexmodal.rig.effects.servo_compliance import EFFECT as SERVO
+from flexmodal.rig.effects.servo_compliance import free_rotor
 from flexmodal.rig.effects.structural_damping import EFFECT as DAMPING
 from flexmodal.rig.effects.structural_damping import maxwell
 from flexmodal.rig.forms.added_mass import GRAVITY
 from flexmodal.rig.forms.joint_coupling import RATIO
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.plant import Branch, Feedback
+from flexmodal.rig.plant.plant import Feedback
 
 
 def _draw_observer(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -43,14 +45,8 @@ def _act_observer(assembly: PlantAssembly, site: Site) -> None:
     (C + Q J s²)/(1 − Q) with C a spring and a damper: ((K + D s)(1 + (1 − g) τ s) + g J s²)/(1 + τ s), where
     K, D, J are what it seems while slow and τ = T/(1 − g).
     """
-    joint, trust, time = site.where, site["trust"], site["filter_time"]
-    k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
-    assembly.add_coordinates([f"{joint} motor"])
-    motor, link = assembly.row(f"{joint} motor"), assembly.stretch(joint)
-    assembly.add_spring(link, -k, -b)
-    assembly.add_spring(link - motor, k, b)
-    assembly.add_inertia(motor, (1 - trust) * site["rotor_inertia"])
-    assembly.elongation[joint] = link - motor
+    trust, time = site["trust"], site["filter_time"]
+    motor = free_rotor(assembly, site, (1 - trust) * site["rotor_inertia"])
     spring, damper, ahead = site["proportional_gain"], site["derivative_gain"], (1 - trust) * time
     rate = (damper * ahead + trust * site["rotor_inertia"]) / time
     angle = (damper + spring * ahead - rate) / time
@@ -80,8 +76,7 @@ def weights(assembly: PlantAssembly, stand: Stand) -> dict[str, float]:
 
 def _draw_pressed(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """A half of the loss is gone at a part of the largest torque that a weight puts on a joint."""
-    standing = [PlantAssembly(stand.robot.at(dict(posture.q))) for posture in stand.plan.postures]
-    largest = max(abs(torque) for one in standing for torque in weights(one, stand).values())
+    largest = max(abs(torque) for one in standing(stand) for torque in weights(one, stand).values())
     drawn = drawing(loss_factor=(0.06, 0.2), viscous=(0.2, 1.0))(stand, where, random)
     return {**drawn, "load": float(random.uniform(0.1, 0.6)) * max(largest, 1.0)}
 
@@ -95,11 +90,7 @@ def _act_pressed(assembly: PlantAssembly, site: Site) -> None:
         k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
         row = assembly.stretch(joint)
         assembly.add_spring(row, (static - 1) * k, (site["viscous"] - 1) * b)
-        assembly.branches += [
-            Branch(row, float(part) * k, float(time))
-            for part, time in zip(strengths, times, strict=True)
-            if part > 0
-        ]
+        assembly.add_relaxation(row, strengths * k, times)
 
 
 def _draw_tensioner(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:

@@ -15,6 +15,7 @@ from flexmodal.rig.effects.effect import (
     each,
     multiplied,
     positive,
+    standing,
     within,
 )
 from flexmodal.rig.effects.joint_coupling import EFFECT as COUPLING
@@ -25,7 +26,6 @@ from flexmodal.rig.forms.structural_damping import BIOT
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import reach
 from flexmodal.rig.plant.geometry import across, turn
-from flexmodal.rig.plant.plant import Branch
 
 TRIED = 6
 """Ways to hang a balancing spring, of which the one that ties its joints most is taken."""
@@ -102,11 +102,7 @@ def _act_lopsided(assembly: PlantAssembly, site: Site) -> None:
         k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
         row = assembly.stretch(joint)
         assembly.add_spring(row, (made.static - 1) * k, (site["viscous"] - 1) * b)
-        assembly.branches += [
-            Branch(row, float(part) * k, float(time))
-            for part, time in zip(made.strengths, made.times, strict=True)
-            if part > 0
-        ]
+        assembly.add_relaxation(row, made.strengths * k, made.times)
 
 
 def curvature(assembly: PlantAssembly, where: str, parameters: Parameters) -> np.ndarray:
@@ -145,7 +141,7 @@ def _draw_balancer(stand: Stand, where: str, random: np.random.Generator) -> dic
     first = stand.robot.urdf.joint_by_name[names[0]]
     between = max(float(np.linalg.norm(reach(stand.robot, first.child))), 0.1)
     root = np.sqrt([stand.true.stiffness[name] for name in names])
-    standing = [PlantAssembly(stand.robot.at(dict(posture.q))) for posture in stand.plan.postures]
+    everywhere = standing(stand)
     found: list[tuple[float, float, dict[str, float]]] = []
     for _ in range(TRIED):
         drawn = {
@@ -154,7 +150,7 @@ def _draw_balancer(stand: Stand, where: str, random: np.random.Generator) -> dic
             "near_angle": float(random.uniform(0.0, 2 * np.pi)),
             "far_angle": float(random.uniform(0.0, 2 * np.pi)),
         }
-        bent = np.array([curvature(assembly, where, drawn) for assembly in standing]) / np.outer(root, root)
+        bent = np.array([curvature(assembly, where, drawn) for assembly in everywhere]) / np.outer(root, root)
         largest = float(np.abs(np.linalg.eigvalsh(bent)).max())
         found.append((float(np.abs(bent[:, 0, 1]).mean()) / largest, largest, drawn))
     _, largest, drawn = max(found, key=lambda one: one[0])

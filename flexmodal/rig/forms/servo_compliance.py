@@ -13,6 +13,7 @@ import numpy as np
 
 from flexmodal.rig.effects.effect import Check, Draw, Effect, Parameters, Site, Stand, each, positive, within
 from flexmodal.rig.effects.servo_compliance import EFFECT as OWN
+from flexmodal.rig.effects.servo_compliance import free_rotor
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Branch, Feedback
 
@@ -25,19 +26,6 @@ def _scaled(parameters: Parameters, s: float) -> dict[str, float]:
     factors = {name: s**power for name, power in _GAINS.items()}
     factors |= {name: min(s, 1.0) ** 0.5 for name in _TIMES}
     return {name: float(value * factors.get(name, 1.0)) for name, value in parameters.items()}
-
-
-def _rotor(assembly: PlantAssembly, site: Site) -> np.ndarray:
-    """Free the rotor: the joint's spring goes to it instead of to a locked motor."""
-    joint = site.where
-    k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
-    assembly.add_coordinates([f"{joint} motor"])
-    motor, link = assembly.row(f"{joint} motor"), assembly.stretch(joint)
-    assembly.add_spring(link, -k, -b)
-    assembly.add_spring(link - motor, k, b)
-    assembly.add_inertia(motor, site["rotor_inertia"])
-    assembly.elongation[joint] = link - motor
-    return motor
 
 
 def _drawing(damping: tuple[float, float], **spans: tuple[float, float]) -> Draw:
@@ -69,7 +57,7 @@ def _draw_brake(stand: Stand, where: str, random: np.random.Generator) -> dict[s
 
 def _act_brake(assembly: PlantAssembly, site: Site) -> None:
     """The loop is off; the brake's hub is a spring with a Maxwell element beside it."""
-    motor, k = _rotor(assembly, site), site["brake_stiffness"]
+    motor, k = free_rotor(assembly, site, site["rotor_inertia"]), site["brake_stiffness"]
     assembly.add_spring(motor, k)
     assembly.branches.append(Branch(motor, site["relaxing"] * k, site["relaxation_time"]))
 
@@ -80,7 +68,7 @@ def _act_cascade(assembly: PlantAssembly, site: Site) -> None:
     K_v (1 + 1/(T_i s)) (K + s) = K_v s + K_v (K + 1/T_i) + K_v K/(T_i s), the middle of it being the
     proportional gain; `outer` is the part of it that comes from K.
     """
-    motor = _rotor(assembly, site)
+    motor = free_rotor(assembly, site, site["rotor_inertia"])
     gain, rate, time = site["proportional_gain"], site["derivative_gain"], site["filter_time"]
     integral = site["outer"] * (1 - site["outer"]) * gain**2 / rate
     a = np.array([[0.0, 0.0], [integral / time, -1 / time]])
@@ -90,7 +78,7 @@ def _act_cascade(assembly: PlantAssembly, site: Site) -> None:
 
 def _act_delayed(assembly: PlantAssembly, site: Site) -> None:
     """K_P + K_D s, late by T: Padé's approximant of order 2, 1 − s T/(1 + s T/2 + s² T²/12)."""
-    motor, late = _rotor(assembly, site), site["delay"]
+    motor, late = free_rotor(assembly, site, site["rotor_inertia"]), site["delay"]
     gain, rate = site["proportional_gain"], site["derivative_gain"]
     a = np.array([[0.0, 1.0], [-12.0, -6.0]]) / late
     b, b_rate = np.array([0.0, 12 * gain / late]), np.array([0.0, 12 * rate / late])
@@ -100,7 +88,7 @@ def _act_delayed(assembly: PlantAssembly, site: Site) -> None:
 
 def _act_current(assembly: PlantAssembly, site: Site) -> None:
     """The torque follows through a current loop of first order; the back-EMF brakes at once."""
-    motor, time = _rotor(assembly, site), site["current_time"]
+    motor, time = free_rotor(assembly, site, site["rotor_inertia"]), site["current_time"]
     a, c = np.array([[-1 / time]]), np.ones(1)
     b, b_rate = np.array([site["proportional_gain"] / time]), np.array([site["derivative_gain"] / time])
     brake = site["back_emf"] * site["derivative_gain"]
@@ -109,7 +97,7 @@ def _act_current(assembly: PlantAssembly, site: Site) -> None:
 
 def _act_link_side(assembly: PlantAssembly, site: Site) -> None:
     """A part of the proportional gain works on the angle of the link, which is read through a low-pass."""
-    motor, link = _rotor(assembly, site), assembly.row(site.where)
+    motor, link = free_rotor(assembly, site, site["rotor_inertia"]), assembly.row(site.where)
     time, part = site["filter_time"], site["link_side"] * site["proportional_gain"]
     assembly.add_spring(motor, site["proportional_gain"] - part, site["derivative_gain"])
     a, b = np.array([[-1 / time]]), np.array([part / time])
@@ -118,7 +106,7 @@ def _act_link_side(assembly: PlantAssembly, site: Site) -> None:
 
 def _act_notched(assembly: PlantAssembly, site: Site) -> None:
     """K_P + K_D s through 1 − 2 ζ (1 − r) T s/(1 + 2 ζ T s + T² s²), r what is left at 1/T."""
-    motor, time, wide = _rotor(assembly, site), site["notch_time"], site["width"]
+    motor, time, wide = free_rotor(assembly, site, site["rotor_inertia"]), site["notch_time"], site["width"]
     gain, rate = site["proportional_gain"], site["derivative_gain"]
     a = np.array([[0.0, 1.0], [-1.0, -2 * wide * time]]) / np.array([[1.0], [time**2]])
     b, b_rate = np.array([0.0, gain]) / time**2, np.array([0.0, rate]) / time**2
@@ -136,7 +124,7 @@ def _draw_torque_fed(stand: Stand, where: str, random: np.random.Generator) -> d
 
 def _act_torque_fed(assembly: PlantAssembly, site: Site) -> None:
     """The motor helps by K_T times the joint's torque, which a sensor reads through a low-pass."""
-    motor = _rotor(assembly, site)
+    motor = free_rotor(assembly, site, site["rotor_inertia"])
     assembly.add_spring(motor, site["proportional_gain"], site["derivative_gain"])
     k, b = site.stand.true.stiffness[site.where], site.stand.true.damping[site.where]
     a, time = np.array([[-1 / site["filter_time"]]]), site["filter_time"]

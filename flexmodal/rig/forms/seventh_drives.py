@@ -21,6 +21,7 @@ from flexmodal.rig.effects.effect import (
 )
 from flexmodal.rig.effects.joint_coupling import EFFECT as COUPLING
 from flexmodal.rig.effects.servo_compliance import EFFECT as SERVO
+from flexmodal.rig.effects.servo_compliance import free_rotor
 from flexmodal.rig.forms.maxwell_rows import MOST, Series, middle
 from flexmodal.rig.forms.structural_damping import BIOT, MOST_LOSS
 from flexmodal.rig.plant.assembly import PlantAssembly
@@ -46,16 +47,9 @@ def _act_stepper(assembly: PlantAssembly, site: Site) -> None:
 
     Speed induces a voltage, which drives a current through R and L in a row: a damper behind a spring c/τ.
     """
-    joint, time = site.where, site["winding_time"]
-    k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
-    assembly.add_coordinates([f"{joint} motor"])
-    motor, link = assembly.row(f"{joint} motor"), assembly.stretch(joint)
-    assembly.add_spring(link, -k, -b)
-    assembly.add_spring(link - motor, k, b)
+    motor, time = free_rotor(assembly, site, site["rotor_inertia"]), site["winding_time"]
     assembly.add_spring(motor, site["magnetic_stiffness"])
     assembly.branches.append(Branch(motor, site["back_emf"] / time, time))
-    assembly.add_inertia(motor, site["rotor_inertia"])
-    assembly.elongation[joint] = link - motor
 
 
 def _scaled_stepper(parameters: Parameters, s: float) -> dict[str, float]:
@@ -113,11 +107,7 @@ def _act_stretched(assembly: PlantAssembly, site: Site) -> None:
         k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
         row = assembly.stretch(joint)
         assembly.add_spring(row, (made.static - 1) * k, (site["viscous"] - 1) * b)
-        assembly.branches += [
-            Branch(row, float(part) * k, float(time))
-            for part, time in zip(made.strengths, made.times, strict=True)
-            if part > 0
-        ]
+        assembly.add_relaxation(row, made.strengths * k, made.times)
 
 
 def _draw_cross_coupled(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:

@@ -9,13 +9,23 @@ import numpy as np
 from flexmodal.rig.effects.bearing_flexibility import EFFECT as BEARING
 from flexmodal.rig.effects.bearing_flexibility import draw_springs, rows, turning_joints
 from flexmodal.rig.effects.coulomb_friction import EFFECT as FRICTION_EFFECT
-from flexmodal.rig.effects.effect import Effect, Site, Stand, divided, each, multiplied, positive, within
+from flexmodal.rig.effects.effect import (
+    Effect,
+    Site,
+    Stand,
+    divided,
+    each,
+    multiplied,
+    positive,
+    standing,
+    within,
+)
 from flexmodal.rig.effects.nonlinear_stiffness import EFFECT as SPRING
 from flexmodal.rig.effects.structural_damping import maxwell
 from flexmodal.rig.forms.added_mass import GRAVITY
 from flexmodal.rig.forms.fifth_drives import weights
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.plant import FRICTION, WOUND, Branch, NonlinearElement
+from flexmodal.rig.plant.plant import FRICTION, WOUND, NonlinearElement
 from flexmodal.structure.arm import beyond
 
 TILTING, RADIAL = 4.4, 2.2 * 1.73
@@ -46,14 +56,10 @@ def ring_load(assembly: PlantAssembly, stand: Stand, where: str, diameter: float
     return TILTING * tilting / diameter + axial + RADIAL * radial
 
 
-def _standing(stand: Stand) -> list[PlantAssembly]:
-    return [PlantAssembly(stand.robot.at(dict(posture.q))) for posture in stand.plan.postures]
-
-
 def _draw_slewing(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """A ring of 12 to 40 cm, and as the rig's own where it carries most."""
     drawn, diameter = FRICTION_EFFECT.draw(stand, where, random), float(random.uniform(0.12, 0.4))
-    most = max(ring_load(one, stand, where, diameter) for one in _standing(stand))
+    most = max(ring_load(one, stand, where, diameter) for one in standing(stand))
     return {
         "torque": 1.2 * drawn["torque"],
         "presliding_stiffness": drawn["presliding_stiffness"],
@@ -73,7 +79,7 @@ def _act_slewing(assembly: PlantAssembly, site: Site) -> None:
 
 def _draw_under_weight(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
     """A hard blow comes up to a knee of the gear or over it; so does the weight, where it pulls most."""
-    most = max(abs(weights(one, stand)[where]) for one in _standing(stand))
+    most = max(abs(weights(one, stand)[where]) for one in standing(stand))
     knee = float(random.uniform(0.4, 0.9)) * stand.deflection[where][1]
     return {
         "change": float(random.uniform(0.3, 0.9)),
@@ -123,11 +129,7 @@ def _act_bush(assembly: PlantAssembly, site: Site) -> None:
     ):
         if np.any(row):
             assembly.add_spring(row, static * spring)
-            assembly.branches += [
-                Branch(row, float(part) * spring, float(time))
-                for part, time in zip(strengths, times, strict=True)
-                if part > 0
-            ]
+            assembly.add_relaxation(row, strengths * spring, times)
 
 
 SLEWING: Effect = replace(

@@ -16,6 +16,7 @@ from flexmodal.rig.effects.effect import (
     each,
     multiplied,
     positive,
+    standing,
     within,
 )
 from flexmodal.rig.effects.joint_coupling import EFFECT as COUPLING
@@ -24,7 +25,6 @@ from flexmodal.rig.forms.maxwell_rows import MOST, Series, middle
 from flexmodal.rig.forms.structural_damping import BIOT, MOST_LOSS
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import reach
-from flexmodal.rig.plant.plant import Branch
 
 TRIED = 6
 """Directions in which a tool may be held, of which the one that ties its joints most is taken."""
@@ -132,11 +132,7 @@ def _act_warming(assembly: PlantAssembly, site: Site) -> None:
         k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
         row = assembly.stretch(joint)
         assembly.add_spring(row, (made.static - 1) * k, (site["viscous"] - 1) * b)
-        assembly.branches += [
-            Branch(row, float(part) * k, float(time) / quicker)
-            for part, time in zip(made.strengths, made.times, strict=True)
-            if part > 0
-        ]
+        assembly.add_relaxation(row, made.strengths * k, made.times / quicker)
 
 
 def tied(assembly: PlantAssembly, stand: Stand, where: str, way: np.ndarray) -> np.ndarray:
@@ -158,12 +154,12 @@ def _draw_tool_held(stand: Stand, where: str, random: np.random.Generator) -> di
     _, own = base_directions(stand.normal)
     plane = own[:3, : 2 if stand.normal is not None else 3]
     root = np.sqrt([stand.true.stiffness[name] for name in where.split("+")])
-    standing = [PlantAssembly(stand.robot.at(dict(posture.q))) for posture in stand.plan.postures]
+    everywhere = standing(stand)
     found: list[tuple[float, float, np.ndarray]] = []
     for _ in range(TRIED):
         way = plane @ random.standard_normal(plane.shape[1])
         way = way / np.linalg.norm(way)
-        over = np.array([tied(assembly, stand, where, way) for assembly in standing]) / root
+        over = np.array([tied(assembly, stand, where, way) for assembly in everywhere]) / root
         largest = max(float(np.sum(over**2, axis=1).max()), 1e-12)
         found.append((float(np.abs(over[:, 0] * over[:, 1]).mean()) / largest, largest, way))
     _, largest, way = max(found, key=lambda one: one[0])

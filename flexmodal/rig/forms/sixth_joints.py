@@ -12,7 +12,17 @@ from flexmodal.model import Robot
 from flexmodal.rig.effects.bearing_flexibility import EFFECT as BEARING
 from flexmodal.rig.effects.bearing_flexibility import draw_springs, frame, rows, turning_joints
 from flexmodal.rig.effects.coulomb_friction import EFFECT as FRICTION_EFFECT
-from flexmodal.rig.effects.effect import Effect, Site, Stand, each, either_sign, multiplied, positive, within
+from flexmodal.rig.effects.effect import (
+    Effect,
+    Site,
+    Stand,
+    each,
+    either_sign,
+    multiplied,
+    positive,
+    standing,
+    within,
+)
 from flexmodal.rig.effects.nonlinear_stiffness import EFFECT as SPRING
 from flexmodal.rig.forms.added_mass import GRAVITY
 from flexmodal.rig.forms.behind import behind, draw_hub, hold
@@ -104,8 +114,7 @@ def _draw_by_load(stand: Stand, where: str, random: np.random.Generator) -> dict
     """As stiff as the rig's own where it carries most; a wheel of 6 to 15 cm."""
     drawn = draw_springs(stand, where, random)
     radius, mesh = float(random.uniform(0.06, 0.15)), float(random.uniform(0.0, 2 * np.pi))
-    standing = [PlantAssembly(stand.robot.at(dict(posture.q))) for posture in stand.plan.postures]
-    most = max(load_on(one, stand, where, radius, mesh) for one in standing)
+    most = max(load_on(one, stand, where, radius, mesh) for one in standing(stand))
     part = float(random.uniform(0.03, 0.15))
     return {**drawn, "radius": radius, "mesh": mesh, "load": max(most, 1.0), "preload": part}
 

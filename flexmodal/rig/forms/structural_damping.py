@@ -24,7 +24,6 @@ from flexmodal.rig.forms.maxwell_rows import (
     zener,
 )
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.plant import Branch
 
 MOST_LOSS = 0.6
 
@@ -40,11 +39,7 @@ def _acting(series: Callable[[Site, int], Series]) -> Callable[[PlantAssembly, S
             k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
             made, row = series(site, number), assembly.stretch(joint)
             assembly.add_spring(row, (made.static - 1) * k, (site["viscous"] - 1) * b + made.damper * k)
-            assembly.branches += [
-                Branch(row, float(g) * k, float(t))
-                for g, t in zip(made.strengths, made.times, strict=True)
-                if g > 0
-            ]
+            assembly.add_relaxation(row, made.strengths * k, made.times)
 
     return act
 

@@ -17,6 +17,7 @@ from flexmodal.rig.effects.effect import (
     within,
 )
 from flexmodal.rig.effects.servo_compliance import EFFECT as SERVO
+from flexmodal.rig.effects.servo_compliance import free_rotor
 from flexmodal.rig.forms.joint_coupling import RATIO
 from flexmodal.rig.forms.maxwell_rows import MOST, Series, fitted
 from flexmodal.rig.forms.structural_damping import BIOT
@@ -42,15 +43,8 @@ def _act_accelerated(assembly: PlantAssembly, site: Site) -> None:
 
     s²/(1 + T s) = s/T − 1/T² + 1/T²/(1 + T s).
     """
-    joint = site.where
-    k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
-    assembly.add_coordinates([f"{joint} motor"])
-    motor, link = assembly.row(f"{joint} motor"), assembly.stretch(joint)
-    assembly.add_spring(link, -k, -b)
-    assembly.add_spring(link - motor, k, b)
+    motor = free_rotor(assembly, site, site["rotor_inertia"])
     assembly.add_spring(motor, site["proportional_gain"], site["derivative_gain"])
-    assembly.add_inertia(motor, site["rotor_inertia"])
-    assembly.elongation[joint] = link - motor
     gain, time = site["acceleration_gain"], site["filter_time"]
     a, b_angle, c = np.array([[-1 / time]]), np.array([1 / time]), np.array([gain / time**2])
     fed = Feedback(motor, motor, a, b_angle, np.zeros(1), c, -gain / time**2, gain / time)
@@ -103,11 +97,7 @@ def _act_creeping(assembly: PlantAssembly, site: Site) -> None:
         k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
         row = assembly.stretch(joint)
         assembly.add_spring(row, (made.static - 1) * k, (site["viscous"] - 1) * b)
-        assembly.branches += [
-            Branch(row, float(part) * k, float(time))
-            for part, time in zip(made.strengths, made.times, strict=True)
-            if part > 0
-        ]
+        assembly.add_relaxation(row, made.strengths * k, made.times)
 
 
 def _draw_oil(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:

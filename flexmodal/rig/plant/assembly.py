@@ -220,6 +220,25 @@ class PlantAssembly:
             self.add_inertia(self._padded(row) + own, mass)
             self.add_spring(own, mass * omega**2, 2 * damping_ratio * mass * omega)
 
+    def add_relaxation(
+        self,
+        row: Float[np.ndarray, " dof"],
+        strengths: Float[np.ndarray, " element"],
+        times: Float[np.ndarray, " element"],
+    ) -> None:
+        """Maxwell elements side by side along a row; none that has no strength.
+
+        Args:
+            row: what stretches them.
+            strengths: of their springs [N·m/rad, N/m].
+            times: in which they relax [s].
+        """
+        self.branches += [
+            Branch(row, float(strength), float(time))
+            for strength, time in zip(strengths, times, strict=True)
+            if strength > 0
+        ]
+
     def add_coupling(self, one: str, other: str, stiffness: float) -> None:
         """An off-diagonal stiffness between two coordinates [N·m/rad].
 

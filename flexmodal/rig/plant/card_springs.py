@@ -17,7 +17,6 @@ from flexmodal.model import Robot
 from flexmodal.rig.believed import TrueRobot
 from flexmodal.rig.plan import HammerPlan
 from flexmodal.rig.plant.assembly import PlantAssembly
-from flexmodal.rig.plant.plant import Branch
 
 CLOSE = 1e-3
 """How far the elements may be off the power law, relative; of more, a card is refused."""
@@ -65,11 +64,7 @@ def add_card_springs(assembly: PlantAssembly, robot: Robot, true: TrueRobot, pla
         static, strengths, times = row
         stretched, k = assembly.stretch(name), true.stiffness[name]
         assembly.add_spring(stretched, (static - 1) * k)
-        assembly.branches += [
-            Branch(stretched, float(strength) * k, float(time))
-            for strength, time in zip(strengths, times, strict=True)
-            if strength > 0
-        ]
+        assembly.add_relaxation(stretched, strengths * k, times)
 
 
 def _row(robot: Robot, loss: float, plan: HammerPlan) -> tuple[float, np.ndarray, np.ndarray] | None:
