@@ -22,7 +22,7 @@ from flexmodal.rig.effects.joint_coupling import EFFECT as COUPLING
 from flexmodal.rig.effects.servo_compliance import EFFECT as SERVO
 from flexmodal.rig.forms.joint_coupling import ROD
 from flexmodal.rig.forms.maxwell_rows import MOST, Series, fitted
-from flexmodal.rig.forms.structural_damping import BIOT
+from flexmodal.rig.forms.structural_damping import BIOT, acting
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.chain import reach
 from flexmodal.rig.plant.geometry import across, turn
@@ -94,15 +94,9 @@ def _draw_lopsided(stand: Stand, where: str, random: np.random.Generator) -> dic
     return {**drawn(stand, where, random), "frequency": frequency}
 
 
-def _act_lopsided(assembly: PlantAssembly, site: Site) -> None:
-    made = lopsided(
-        site["loss_factor"], site["frequency"], site["below"], site["above"], site.stand.plan.band
-    )
-    for joint in site.stand.robot.joints:
-        k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
-        row = assembly.stretch(joint)
-        assembly.add_spring(row, (made.static - 1) * k, (site["viscous"] - 1) * b)
-        assembly.add_relaxation(row, made.strengths * k, made.times)
+def _lopsided(site: Site, joint: int) -> Series:
+    band = site.stand.plan.band
+    return lopsided(site["loss_factor"], site["frequency"], site["below"], site["above"], band)
 
 
 def curvature(assembly: PlantAssembly, where: str, parameters: Parameters) -> np.ndarray:
@@ -201,7 +195,7 @@ LOPSIDED: Effect = replace(
         loss_factor=(0.0, 0.6), viscous=(0.0, np.inf), below=(0.05, 1.0), above=(0.05, 1.0),
         frequency=(1e-3, 1e6),
     ),
-    act=_act_lopsided,
+    act=acting(_lopsided),
 )  # fmt: skip
 BALANCER: Effect = replace(
     COUPLING,

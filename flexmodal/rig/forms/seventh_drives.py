@@ -23,7 +23,7 @@ from flexmodal.rig.effects.joint_coupling import EFFECT as COUPLING
 from flexmodal.rig.effects.servo_compliance import EFFECT as SERVO
 from flexmodal.rig.effects.servo_compliance import free_rotor
 from flexmodal.rig.forms.maxwell_rows import MOST, Series, middle
-from flexmodal.rig.forms.structural_damping import BIOT, MOST_LOSS
+from flexmodal.rig.forms.structural_damping import BIOT, MOST_LOSS, acting
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Branch, Feedback
 
@@ -100,14 +100,9 @@ def _draw_stretched(stand: Stand, where: str, random: np.random.Generator) -> di
     return {**drawn, "frequency": float(np.exp(random.uniform(np.log(low / 2), np.log(low * high) / 2)))}
 
 
-def _act_stretched(assembly: PlantAssembly, site: Site) -> None:
-    row_of = stretched(site["loss_factor"], site["frequency"], site["exponent"])
-    made = row_of.scaled_at(middle(site.stand.plan.band))
-    for joint in site.stand.robot.joints:
-        k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
-        row = assembly.stretch(joint)
-        assembly.add_spring(row, (made.static - 1) * k, (site["viscous"] - 1) * b)
-        assembly.add_relaxation(row, made.strengths * k, made.times)
+def _stretched(site: Site, joint: int) -> Series:
+    made = stretched(site["loss_factor"], site["frequency"], site["exponent"])
+    return made.scaled_at(middle(site.stand.plan.band))
 
 
 def _draw_cross_coupled(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -166,7 +161,7 @@ STRETCHED: Effect = replace(
     check=within(
         loss_factor=(0.0, MOST_LOSS), viscous=(0.0, np.inf), exponent=(0.2, 1.0), frequency=(1e-3, 1e6)
     ),
-    act=_act_stretched,
+    act=acting(_stretched),
 )
 CROSS_COUPLED: Effect = replace(
     COUPLING,

@@ -33,7 +33,13 @@ def _spread(site: Site, joint: int) -> float:
     return float(np.exp(site["spread"] * np.sin(site["phase"] + 2.399963 * joint)))
 
 
-def _acting(series: Callable[[Site, int], Series]) -> Callable[[PlantAssembly, Site], None]:
+def acting(series: Callable[[Site, int], Series]) -> Callable[[PlantAssembly, Site], None]:
+    """What a law of loss does in every joint.
+
+    Args:
+        series: the law of a site, in the joint of a number.
+    """
+
     def act(assembly: PlantAssembly, site: Site) -> None:
         for number, joint in enumerate(site.stand.robot.joints):
             k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
@@ -80,7 +86,7 @@ def _form(
         scaled=_scaled,
         most=lambda parameters: MOST_LOSS / max(parameters["loss_factor"], 1e-9),
         check=within(loss_factor=(0.0, MOST_LOSS), viscous=(0.0, np.inf), **spans),
-        act=_acting(series),
+        act=acting(series),
     )
 
 

@@ -20,7 +20,7 @@ from flexmodal.rig.effects.servo_compliance import EFFECT as SERVO
 from flexmodal.rig.effects.servo_compliance import free_rotor
 from flexmodal.rig.forms.joint_coupling import RATIO
 from flexmodal.rig.forms.maxwell_rows import MOST, Series, fitted
-from flexmodal.rig.forms.structural_damping import BIOT
+from flexmodal.rig.forms.structural_damping import BIOT, acting
 from flexmodal.rig.plant.assembly import PlantAssembly
 from flexmodal.rig.plant.plant import Branch, Feedback
 
@@ -91,13 +91,8 @@ def _draw_creeping(stand: Stand, where: str, random: np.random.Generator) -> dic
     return {**drawn, "ceasing": ceasing}
 
 
-def _act_creeping(assembly: PlantAssembly, site: Site) -> None:
-    made = creeping(site["loss_factor"], site["ceasing"], site.stand.plan.band)
-    for joint in site.stand.robot.joints:
-        k, b = site.stand.true.stiffness[joint], site.stand.true.damping[joint]
-        row = assembly.stretch(joint)
-        assembly.add_spring(row, (made.static - 1) * k, (site["viscous"] - 1) * b)
-        assembly.add_relaxation(row, made.strengths * k, made.times)
+def _creeping(site: Site, joint: int) -> Series:
+    return creeping(site["loss_factor"], site["ceasing"], site.stand.plan.band)
 
 
 def _draw_oil(stand: Stand, where: str, random: np.random.Generator) -> dict[str, float]:
@@ -146,7 +141,7 @@ CREEPING: Effect = replace(
     },
     draw=_draw_creeping,
     check=within(loss_factor=(0.0, 0.6), viscous=(0.0, np.inf), ceasing=(1e-3, 1e6)),
-    act=_act_creeping,
+    act=acting(_creeping),
 )
 OIL_LINE: Effect = replace(
     RATIO,
