@@ -1,10 +1,10 @@
 """A campaign as it comes when nothing went quite well: does the diagnosis still predict unseen postures?
 
-    python benchmarks/dirty.py [--campaigns N] [--first SEED] [--planar] [--within S] [--workers N]
+    python benchmarks/dirty.py [--campaigns N] [--first SEED] [--single] [--planar] [--within S] [--workers N]
 
-Three to five effects of other physical forms at once on a random arm; postures, places, directions and
-gains that are not quite those recorded, as far as `[tolerance]` says; blows that hit twice in one posture;
-one FRF whose phases are noise. The improved model has to be nearer to the postures that were held out than
+Three to five effects of other physical forms at once on a random arm, or one with `--single`; postures,
+places, directions and gains that are not quite those recorded, as far as `[tolerance]` says; blows that hit
+twice in one posture; one FRF whose phases are noise. The improved model has to be nearer to the postures that were held out than
 the mean of the others' FRFs and than those of the nearest posture. Each diagnosis says what it has found
 after `--within` seconds; one that has not ended after `--minutes` of processor time is stopped. Results are
 kept as JSON lines in build/, so that a run that was stopped goes on from there.
@@ -52,15 +52,18 @@ ERROR = ParameterError(0.05, 0.05, MASS, MASS)
 POINTS, TRIED = 4, 40
 HEIGHTS = (3.0, 30.0)
 """Of each effect over the noise floor."""
+EXPLAINED = 1.2
+"""Times the noise floor up to which a gap counts as explained."""
 
 
-def one(seed: int, *, seconds: float, planar: bool = False) -> dict[str, Any]:
+def one(seed: int, *, seconds: float, planar: bool = False, single: bool = False) -> dict[str, Any]:
     """A campaign from its seed, diagnosed.
 
     Args:
         seed: of everything drawn.
         seconds: after which the diagnosis stops looking.
         planar: whether arms in a plane alone are drawn, which take a fifth of the time.
+        single: whether one effect is hidden instead of three to five.
     """
     began = time.process_time()
     random = np.random.default_rng([seed, 71])
@@ -70,7 +73,7 @@ def one(seed: int, *, seconds: float, planar: bool = False) -> dict[str, Any]:
             number = int(random.integers(1, 2**31))
             robot = flexmodal.load(draw_arm(folder, number, spatial=False if planar else None))
             points = choose_points(robot, min(POINTS, len(robot.points)))
-            hide = _drawn(robot, points, random)
+            hide = _drawn(robot, points, random, 1 if single else int(random.integers(3, 6)))
             if hide is None:
                 continue
             try:
@@ -94,16 +97,19 @@ def one(seed: int, *, seconds: float, planar: bool = False) -> dict[str, Any]:
         "mean": None if beside is None else beside.mean,
         "nearest": None if beside is None else beside.nearest,
         "noise_floor": found.gaps.noise_floor,
+        "gap": found.gaps.after,
         "moved": len(found.moved),
         "cut_off": found.verdict.cut_off,
         "seconds": time.process_time() - began,
     }
 
 
-def _drawn(robot: flexmodal.Robot, points: list[str], random: np.random.Generator) -> list[Hide] | None:
-    """Three to five effects in forms that are no secret, each in a place that it can have."""
+def _drawn(
+    robot: flexmodal.Robot, points: list[str], random: np.random.Generator, count: int
+) -> list[Hide] | None:
+    """Effects in forms that are no secret, each in a place that it can have."""
     hide = []
-    for name in random.choice(NAMED, int(random.integers(3, 6)), replace=False).tolist():
+    for name in random.choice(NAMED, count, replace=False).tolist():
         form = str(random.choice(FORM_SETS["looked"][name]))
         places = FORMS[name][form].places(robot, points)
         if not places:
@@ -151,7 +157,7 @@ def within(seed: int, given: argparse.Namespace) -> dict[str, Any]:
     """A campaign in a process of its own, which is given so much processor time."""
     seconds = math.ceil(60 * given.minutes)
     words = [sys.executable, __file__, "--one", str(seed), "--within", str(given.within)]
-    words += ["--planar"] if given.planar else []
+    words += [f"--{name}" for name in ("planar", "single") if getattr(given, name)]
     done = subprocess.run(
         words, capture_output=True, text=True, check=False,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5)),
@@ -168,15 +174,16 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=20)
     parser.add_argument("--first", type=int, default=FIRST, help="of the seeds")
     parser.add_argument("--planar", action="store_true", help="arms in a plane alone")
+    parser.add_argument("--single", action="store_true", help="one effect in each")
     parser.add_argument("--within", type=float, default=240.0, help="seconds in which effects are looked for")
     parser.add_argument("--minutes", type=float, default=15.0, help="of processor time for each at most")
     parser.add_argument("--workers", type=int, default=2, help="campaigns at a time")
     parser.add_argument("--one", type=int, metavar="SEED", help="only this campaign, its result printed")
     given = parser.parse_args()
     if given.one is not None:
-        print(json.dumps(one(given.one, seconds=given.within, planar=given.planar)))
+        print(json.dumps(one(given.one, seconds=given.within, planar=given.planar, single=given.single)))
         return
-    name = "dirty_planar" if given.planar else "dirty"
+    name = "_".join(["dirty", *(one for one in ("planar", "single") if getattr(given, one))])
     cache, rows = kept(f"{name}-{given.first}")
     done = {row["seed"]: row for row in rows}
     todo = [seed for seed in range(given.first, given.first + given.campaigns) if seed not in done]
@@ -202,6 +209,7 @@ def told(every: list[dict[str, Any]], name: str | None, given: argparse.Namespac
     right = sum(len(one & other) for one, other in zip(there, said, strict=True))
     wrong = sum(len(other - one) for one, other in zip(there, said, strict=True))
     hidden = sum(len(one) for one in there)
+    explained = sum(row["gap"] <= EXPLAINED * row["noise_floor"] for row in rows)
     table = [
         ["campaigns", "", f"{len(able)}"],
         [f"cut off after {given.within:g} s", "–", f"{sum(row['cut_off'] for row in rows)}"],
@@ -212,13 +220,18 @@ def told(every: list[dict[str, Any]], name: str | None, given: argparse.Namespac
         ["held-out gap over that of the mean, median", "–", f"{_median(able, 'mean'):.2f}"],
         ["held-out gap over that of the nearest posture, median", "–", f"{_median(able, 'nearest'):.2f}"],
         ["effects named in their place, of those hidden", "–", f"{right} of {hidden}"],
+        [f"gap of single records at most {EXPLAINED:g} times the noise", "–", f"{explained} of {len(rows)}"],
         ["effects named that are not there", "–", f"{wrong}"],
     ]
     if name is not None:
-        option, where = (" --planar", " in a plane") if given.planar else ("", "")
+        options = "".join(f" --{one}" for one in ("planar", "single") if getattr(given, one))
+        where, count = (
+            " in a plane" if given.planar else "",
+            "one effect" if given.single else "three to five effects",
+        )
         lead = (
-            f"Made by `python benchmarks/dirty.py{option}`: random arms{where}, three to five effects of "
-            f"other physical forms, masses and inertias {100 * MASS:g} % off, tolerances of "
+            f"Made by `python benchmarks/dirty.py{options}`: random arms{where}, {count} of other "
+            f"physical forms, masses and inertias {100 * MASS:g} % off, tolerances of "
             f"{TOLERANCE.posture} rad, {1e3 * TOLERANCE.position:g} mm, {TOLERANCE.direction} rad and "
             f"{100 * TOLERANCE.gain:g} %, double hits in one posture, one FRF whose phases are noise."
         )

@@ -49,6 +49,10 @@ class Setup:
     advance: Advance
     moved: tuple[Found, ...] = ()
     """What was not set up as it is said to have been, within its tolerance or an angle of a posture."""
+    said: Observations | None = None
+    """The observations as the campaign says that they were set up, if that is not exact."""
+    wide: Observations | None = None
+    """The same with the variance of the tolerances."""
 
     @property
     def untestable(self) -> dict[str, str]:
@@ -83,18 +87,19 @@ def prepare(
     said = observe(campaign)
     context = Context.of(robot, said)
     said = _whole(said, context)
-    observations = with_tolerance(said, robot)
+    observations = wide = with_tolerance(said, robot)
     known = effects_of(asked, context)
     base = robot_space(robot, trust={**trust_of(robot, TRUST), **(trust or {})})
     if hold_out is None:
         held = _middling(context, base, observations)
     else:
         held = np.isin(observations.posture, numbers_of(observations.postures, hold_out, seen_by="FRFs"))
-    found = as_set_up(said, robot, base, held, far=False)
+    found = as_set_up(said, robot, base, held, far=False, in_sample=True)
     if found.left is not None:
         observations, context = found.observations, Context.of(robot, found.observations)
     fitted = observations.keeping(~held)
-    return Setup(context, base, observations, fitted, held, known, asked, seed, advance, found.found)
+    open_ = {} if found.left is None else {"said": said, "wide": wide}
+    return Setup(context, base, observations, fitted, held, known, asked, seed, advance, found.found, **open_)
 
 
 def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:

@@ -18,6 +18,7 @@ from flexmodal.diagnosis.selection.decision import Asked
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.modal_data import ModalData
 from flexmodal.diagnosis.selection.selection import ForwardSelection
+from flexmodal.diagnosis.selection.set_up_anew import set_up_closely
 from flexmodal.diagnosis.setup import Advance, numbers_of, prepare, trust_of
 from flexmodal.diagnosis.time_limit import TimeLimit, limit_of
 from flexmodal.identification.compatibility import check_compatible, placed_on
@@ -72,7 +73,7 @@ def diagnose(
     asked, chosen, warnings = asked_of(effects), source_of(campaign, source), doubled(campaign, source)
     with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
         if chosen != "modes":
-            setup = prepare(campaign, robot, hold_out, asked, trust, seed, advance)
+            setup = set_up_closely(prepare(campaign, robot, hold_out, asked, trust, seed, advance))
             modes = ModesBeside(modes_of_table(campaign)) if chosen == "both" else None
             left_out = setup.observations.silent
             return _concluded(FrfData(setup, modes), limit, left_out=left_out, warnings=warnings, seed=seed)

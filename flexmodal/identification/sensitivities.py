@@ -8,13 +8,13 @@ Sensors and hammer are told apart by points of their own, twins of the campaign'
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Bool, Complex, Float, Int
 
 from flexmodal.campaign import Axes, Campaign, CampaignPoint
 from flexmodal.identification.model import FrfModel, predict
@@ -70,10 +70,10 @@ class Sensitivities:
             lines: numbers of those that are looked at.
         """
         endless = unlimited(observations)
-        plain = predict(model, x, endless, lines)
+        plain = {True: predict(model, x, endless, lines), False: predict(model, x, _doubled(endless), lines)}
         shared = {}
         for key, other, size in _shifted(model, endless):
-            ratio = _ratio(predict(model, x, other, lines), plain)
+            ratio = _ratio(predict(model, x, other, lines), plain[key[0] == "posture"])
             slope = np.log(ratio) / size
             shared[key] = np.where(np.abs(slope) * _deviation(observations.campaign, key) > _MOST, 0.0, slope)
         return cls(tuple(nuisances_of(observations)), observations, shared)
@@ -198,8 +198,7 @@ def _shifted(
         )
         yield ("posture", joint), replace(observations, postures=told), step
     twins, number_of = _twins(observations.campaign)
-    response = observations.response.copy()
-    response[:, 0] = [number_of[int(number)] for number in response[:, 0]]
+    response = _renumbered(observations, number_of)
     for kind, change in (("position", _displaced), ("direction", _rotated)):
         step = _STEP * float(getattr(given, kind))
         for axis, name in enumerate("xyz" if step else ""):
@@ -211,6 +210,23 @@ def _shifted(
                     other = tuple(change(one, axis, step) for one in other)
                 both = replace(observations.campaign, points=(*own, *other), frfs=None, blows=(), modes=None)
                 yield (f"{side} {kind}", name), replace(observations, campaign=both, response=response), step
+
+
+def _doubled(observations: Observations) -> Observations:
+    """Seen by twins of the campaign's points, nothing moved.
+
+    What sits on a sensor in a model does not sit on its twin, and is in none of both predictions so.
+    """
+    twins, number_of = _twins(observations.campaign)
+    points = (*observations.campaign.points, *twins)
+    both = replace(observations.campaign, points=points, frfs=None, blows=(), modes=None)
+    return replace(observations, campaign=both, response=_renumbered(observations, number_of))
+
+
+def _renumbered(observations: Observations, number_of: Mapping[int, int]) -> Int[np.ndarray, "observation 2"]:
+    response = observations.response.copy()
+    response[:, 0] = [number_of[int(number)] for number in response[:, 0]]
+    return response
 
 
 def _twins(campaign: Campaign) -> tuple[tuple[CampaignPoint, ...], dict[int, int]]:

@@ -8,13 +8,14 @@ derivatives are J, it is found by Gauss and Newton's method,
 
 κ the part of the lines that count, as neighbouring ones share their errors, and s² ≥ 1 the mean square of
 what is left: where something is missing from the model that is large, and nothing is moved to make up for
-it. A parameter that the data do not ask for is not fitted: its score has to promise `WORTH` nats (Rao's
-test).
+it. At first κ and s² are those of what is left before; beside what was fitted closely, which may be all
+there is, those of what is left with everything free, for what is moved then is no noise either. A parameter
+that the data do not ask for is not fitted: its score has to promise `WORTH` nats (Rao's test).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +37,8 @@ FAR = 3.0
 """Standard deviations of its tolerance from which a parameter is told as far outside."""
 ROUNDS = 4
 """Of looking at the scores and moving, at most."""
+TEMPERED = 3
+"""Times that κ and s² are taken from what is left with everything free."""
 SETTLED = 0.1
 """Standard deviations of a tolerance: steps below are the last."""
 _MOST_LAG = 40
@@ -67,6 +70,8 @@ class SetUp:
     """What was moved, the farthest outside first."""
     left: Tolerance | None = None
     """What is still open, typically of each kind; None where nothing was to begin with."""
+    x: Float[np.ndarray, " parameter"] | None = None
+    """The model's coordinates after the last step."""
 
     @property
     def settings(self) -> list[tuple[Nuisance, float]]:
@@ -97,6 +102,8 @@ def set_up(
     prior: Float[np.ndarray, "observation line"],
     *,
     far: bool = True,
+    factor: Complex[np.ndarray, "observation looked"] | None = None,
+    begun: SetUp | None = None,
 ) -> SetUp:
     """Move what the data ask for.
 
@@ -108,10 +115,13 @@ def set_up(
         prior: variance that the tolerances add, by which residuals are weighed.
         far: whether what lies far outside its tolerance is moved; without it that is left to effects of
             sensors, angles of postures alone being moved as far as they have to.
+        factor: what is known to be predicted on these lines over what the model gives; 1 if None.
+        begun: what was moved when the model was fitted; nothing if None.
     """
+    given = _Given(model, lines, prior, factor, dict(begun.settings) if begun is not None else None)
     kept = ~np.zeros(len(list(nuisances_of(observations))), dtype=bool)
     while True:
-        found = _moved_by(model, x, observations, lines, prior, kept)
+        found = _moved_by(given, x, observations, kept)
         odd = np.array([not far and one.kind != "posture" for one in found.nuisances])
         odd &= np.abs(found.values) > FAR * found.deviations
         if not odd.any():
@@ -123,7 +133,7 @@ def set_up(
         if value
     ]
     told.sort(key=lambda one: -abs(one.value) / one.nuisance.deviation)
-    return SetUp(found.observations, tuple(told), found.left)
+    return SetUp(found.observations, tuple(told), found.left, found.x)
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +145,7 @@ class _Moved:
     values: Float[np.ndarray, " nuisance"]
     errors: Float[np.ndarray, " nuisance"]
     """With all of them free."""
+    x: Float[np.ndarray, " parameter"]
 
     @property
     def deviations(self) -> Float[np.ndarray, " nuisance"]:
@@ -154,53 +165,61 @@ class _Moved:
         return Tolerance(**sizes)
 
 
-def _moved_by(
-    model: FrfModel,
-    x: np.ndarray,
-    observations: Observations,
-    lines: np.ndarray,
-    prior: np.ndarray,
-    kept: np.ndarray,
-) -> _Moved:
+@dataclass(frozen=True, eq=False)
+class _Given:
+    """What stays the same in all rounds; see `set_up`."""
+
+    model: FrfModel
+    lines: Int[np.ndarray, " looked"]
+    prior: Float[np.ndarray, "observation line"]
+    factor: Complex[np.ndarray, "observation looked"] | None
+    begun: Mapping[Nuisance, float] | None
+
+
+def _moved_by(given: _Given, x: np.ndarray, observations: Observations, kept: np.ndarray) -> _Moved:
     """Rounds of scores and steps, with some of the parameters left as they are."""
     keys = tuple(nuisances_of(observations))
-    total, errors, now = np.zeros(len(keys)), np.array([one.deviation for one in keys]), observations
+    errors = np.array([one.deviation for one in keys])
+    total = kept * np.array([(given.begun or {}).get(one, 0.0) for one in keys])
+    now = moved(observations, [(one, value) for one, value in zip(keys, total, strict=True) if value])
     for _ in range(ROUNDS):
-        sensitivities = Sensitivities.of(model, x, now, lines)
-        step, x, errors = _step(model, x, now, lines, sensitivities, total, prior, kept)
+        sensitivities = Sensitivities.of(given.model, x, now, given.lines)
+        step, x, errors = _step(given, x, now, sensitivities, total, kept)
         total = total + step
         now = moved(observations, [(one, value) for one, value in zip(keys, total, strict=True) if value])
         if np.all(np.abs(step) <= SETTLED * sensitivities.deviations):
             break
-    return _Moved(now, keys, total, errors)
+    return _Moved(now, keys, total, errors, x)
 
 
 def _step(
-    model: FrfModel,
+    given: _Given,
     x: np.ndarray,
     observations: Observations,
-    lines: np.ndarray,
     sensitivities: Sensitivities,
     before: np.ndarray,
-    prior: np.ndarray,
     kept: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Steps of the nuisance parameters, the robot's coordinates after them, and standard errors."""
-    size = len(x)
+    size, model, lines = len(x), given.model, given.lines
     value, slopes = _evaluated(model, x, observations, lines)
-    r = residual(value, observations.value[:, lines])
+    r = residual(value if given.factor is None else value * given.factor, observations.value[:, lines])
     used = observations.used[:, lines]
     variance = np.where(used, observations.variance[:, lines], 1.0) + FLOOR**2
-    scaled = np.abs(r) ** 2 / (variance + prior[:, lines])
+    scaled = np.abs(r) ** 2 / (variance + given.prior[:, lines])
     counted = used * np.minimum(1.0, HUBER / np.sqrt(np.maximum(scaled, 1e-300)))
-    root = np.sqrt(counted / variance * _temper(r, variance, used))
+    root = np.sqrt(counted / variance)
     own = (slopes / np.where(value == 0, np.inf, value) * root).reshape(size, -1)
-    rest = sensitivities.weighed(root)
-    pull = (r * root).ravel()
+    design, pull = np.concatenate([own, sensitivities.weighed(root)]), r * root
     precision = np.concatenate([model.space.precision, 1 / sensitivities.deviations**2])
-    coordinates = np.concatenate([x, before])
-    normal, gradient = _normal(own, rest, pull)
-    gradient = gradient + precision * coordinates
+    normal, gradient = _normal(design, pull.ravel())
+    back = precision * np.concatenate([x, before])
+    temper = _temper(r, variance, used)
+    for _ in range(TEMPERED if given.begun is not None else 0):
+        every = -np.linalg.solve(temper * normal + np.diag(precision), temper * gradient + back)
+        change = (every @ design).reshape(r.shape) / np.where(used, root, np.inf)
+        temper = _temper(r + change, variance, used)
+    normal, gradient = temper * normal, temper * gradient + back
     promising = _asked(normal, gradient, precision, size)[size:] | (before != 0)
     asked = np.concatenate([np.ones(size, dtype=bool), promising & kept])
     errors = np.sqrt(np.diag(np.linalg.inv(normal + np.diag(precision))))[size:]
@@ -224,8 +243,7 @@ def _asked(normal: np.ndarray, gradient: np.ndarray, precision: np.ndarray, size
     return found
 
 
-def _normal(own: np.ndarray, rest: np.ndarray, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    design = np.concatenate([own, rest])
+def _normal(design: np.ndarray, pull: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     flat = np.concatenate([design.real, design.imag], axis=1)
     return flat @ flat.T, flat @ np.concatenate([pull.real, pull.imag])
 

@@ -14,11 +14,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float
+from jaxtyping import Bool, Complex, Float, Int
 
 from flexmodal.campaign import Axes, CampaignPoint, Tolerance
 from flexmodal.identification.frf_fit import fit
-from flexmodal.identification.model import RobotModel, predict
+from flexmodal.identification.model import FrfModel, RobotModel, predict
 from flexmodal.identification.observations import Observations, unlimited
 from flexmodal.identification.sensitivities import moved
 from flexmodal.identification.setting_up import SetUp, set_up
@@ -44,6 +44,7 @@ def as_set_up(
     held: Bool[np.ndarray, " observation"] | None = None,
     *,
     far: bool = True,
+    in_sample: bool = False,
 ) -> SetUp:
     """The observations as they were most likely set up, with the variance of what is open still.
 
@@ -53,25 +54,68 @@ def as_set_up(
         space: its parameters, which are fitted along.
         held: what is held out, by which nothing is moved; nothing if None.
         far: see `set_up`.
+        in_sample: see `set_up_beside`.
 
     Returns:
         The same observations where everything is exact.
     """
-    given = observations.campaign.tolerance
-    if given.is_exact:
+    if observations.campaign.tolerance.is_exact:
         return SetUp(observations)
     away = np.zeros(len(observations), dtype=bool) if held is None else held
     wide = with_tolerance(observations, robot)
-    seen, plain = wide.keeping(~away), observations.keeping(~away)
-    lines = np.arange(0, len(seen.axis), max(1, len(seen.axis) // LOOKED_AT))
+    lines = _looked_at(observations)
     model = RobotModel(robot, space)
-    tuned = fit(model, seen, floors=FLOORS, steps=STEPS, lines=lines, apart=False)
-    found = set_up(model, tuned.x, plain, lines, seen.variance - plain.variance, far=far)
-    now = moved(observations, found.settings)
-    variance = with_tolerance(now, robot, found.left).variance
-    if away.any():  # of those nothing is known beyond what was said
-        variance = np.where(away[:, None], with_tolerance(now, robot).variance, variance)
-    return SetUp(replace(now, variance=variance), found.found, found.left)
+    tuned = fit(model, wide.keeping(~away), floors=FLOORS, steps=STEPS, lines=lines, apart=False)
+    return set_up_beside(model, tuned.x, observations, wide, robot, away, far=far, in_sample=in_sample)
+
+
+def set_up_beside(
+    model: FrfModel,
+    x: Float[np.ndarray, " parameter"],
+    observations: Observations,
+    wide: Observations,
+    robot: Robot,
+    held: Bool[np.ndarray, " observation"],
+    *,
+    far: bool = True,
+    in_sample: bool = False,
+    factor: Complex[np.ndarray, "observation line"] | None = None,
+    begun: SetUp | None = None,
+) -> SetUp:
+    """How it was most likely set up by a model that was fitted.
+
+    Args:
+        model: of the robot, with or without effects.
+        x: where it was fitted.
+        observations: as they are said to have been set up; variances of noise alone.
+        wide: the same with the variance of the tolerances.
+        robot: as its card says.
+        held: what is held out, by which nothing is moved.
+        far: see `set_up`.
+        in_sample: whether the variance is that of what a right model leaves that is fitted to these
+            observations, which is noise: what was off was moved, and what is open nonetheless does not show.
+            Of what is held out the angles of the postures are open, as the campaign says, and what else is
+            after all. Without it what is open still counts everywhere, and of what is held out all that the
+            campaign says.
+        factor: what is known to be predicted over what the model gives; 1 if None.
+        begun: what was moved when it was fitted; nothing if None.
+    """
+    lines = _looked_at(observations)
+    seen, plain = wide.keeping(~held), observations.keeping(~held)
+    own = None if factor is None else factor[~held][:, lines]
+    open_ = seen.variance - plain.variance
+    found = set_up(model, x, plain, lines, open_, far=far, factor=own, begun=begun)
+    now, given, left = moved(observations, found.settings), observations.campaign.tolerance, found.left
+    assert left is not None
+    variance = now.variance if in_sample else with_tolerance(now, robot, left).variance
+    if held.any():
+        apart = replace(left, posture=given.posture) if in_sample else given
+        variance = np.where(held[:, None], with_tolerance(now, robot, apart).variance, variance)
+    return replace(found, observations=replace(now, variance=variance))
+
+
+def _looked_at(observations: Observations) -> Int[np.ndarray, " looked"]:
+    return np.arange(0, len(observations.axis), max(1, len(observations.axis) // LOOKED_AT))
 
 
 def with_tolerance(observations: Observations, robot: Robot, given: Tolerance | None = None) -> Observations:

@@ -814,9 +814,9 @@ def test_what_may_hide_in_the_noise_is_tried_at_the_place_a_look_finds(
     data._candidates = Mock(
         spec=FrfCandidates, can_look=lambda model: True, look_beside=lambda model: look,
         at_places=lambda *given, only_met: [met] if only_met else [other, met],
+        hidden_in_card=lambda before, number: [],
     )  # fmt: skip
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: over)
-    monkeypatch.setattr(FrfData, "_hidden", lambda self, before, number: [])
     before = fitted(MASS)
     assert data.besides(before, 1) == ([before, met] if tried else [])
 

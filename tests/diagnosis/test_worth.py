@@ -153,9 +153,10 @@ def looked_besides(monkeypatch, before, more):
                 asked.setdefault(name, []).append(link)
         return [more]
 
-    data.setup, data.asked = Mock(spec=Setup), None
-    data.effects = tuple(catalogue().values())
-    data._candidates = Mock(spec=FrfCandidates, searched=searched)
+    data.setup, data.asked = Mock(spec=Setup, effects=tuple(catalogue().values())), None
+    candidates = FrfCandidates.__new__(FrfCandidates)
+    candidates.setup, candidates.searched = data.setup, searched
+    data._candidates = candidates
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, model: 1.0)
     return data.besides(before, 1), asked
 

@@ -92,6 +92,26 @@ class Data(ToldData[M], ABC, Generic[M]):
         """
         return []
 
+    def at_first(self, before: M, number: int) -> list[M]:
+        """A model, and what does best beside it before any is followed, where a test is not set up exactly.
+
+        Args:
+            before: the model.
+            number: how many effects it has.
+        """
+        return [before]
+
+    def set_up_anew(self, models: Sequence[M]) -> tuple[Data[M], list[M]] | None:
+        """The data as they were most likely set up by the best of some models, and these fitted to them.
+
+        Args:
+            models: the first without anything new.
+
+        Returns:
+            None where everything is exact, or nothing does better so.
+        """
+        return None
+
     def doubted(self, model: M) -> tuple[str, str] | None:
         """Of several effects one whose fit a look without a law speaks against, if there is one."""
         return None

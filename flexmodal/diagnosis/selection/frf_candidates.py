@@ -7,9 +7,12 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.lawfree.adjacent import adjacent
+from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.search.explanations import FOLLOWED, best_of_each, from_each_start
+from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_starts import (
     does_more,
@@ -25,6 +28,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     NOTHING_HIDDEN,
     ONCE_MORE,
     PERFECT,
+    takes_enough,
 )
 from flexmodal.diagnosis.selection.looks_beside import laws_of
 from flexmodal.diagnosis.selection.wider_laws import WiderLaws
@@ -48,6 +52,7 @@ class FrfCandidates(WiderLaws):
         """
         super().__init__(setup, root, with_force=with_force)
         self._placed: dict[tuple[object, ...], tuple[float, list[FittedFrfs]]] = {}
+        self._narrow: dict[FittedFrfs, list[FittedFrfs]] = {}
 
     def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
         """One of several effects at whose place more is missing than anywhere else.
@@ -121,9 +126,21 @@ class FrfCandidates(WiderLaws):
             found = self.at_next_levels(before, found, look)
         return self._stuck(before, number, found, look)
 
+    def by_narrow_laws(self, before: FittedFrfs, number: int, look: Findings) -> list[FittedFrfs]:
+        """What does best where a look points, before any of it is followed further.
+
+        Args:
+            before: the model that something is added to.
+            number: how many effects it has.
+            look: beside it.
+        """
+        if before not in self._narrow:
+            alone = look.explains and len(look.found) == 1
+            self._narrow[before] = self.pointed_at(before, number, look, one_is_enough=alone)
+        return self._narrow[before]
+
     def _at_places(self, before: FittedFrfs, number: int, look: Findings, is_over: Judge) -> list[FittedFrfs]:
-        alone = look.explains and len(look.found) == 1
-        found = self.pointed_at(before, number, look, one_is_enough=alone)
+        found = self.by_narrow_laws(before, number, look)
         with cut_short(found and before.hypothesis.placed):  # one of several more is better than none
             for further in self._further(before, number, found, look, is_over):
                 found = further
@@ -194,6 +211,33 @@ class FrfCandidates(WiderLaws):
             before, number, lambda name, where: name in able and where == joint, by_force=True
         )
         return best_of_each([*found, *rubs])
+
+    def hidden_in_card(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
+        """A model with what the card's masses or its damping may have taken over, if they are far enough off.
+
+        If they are all right the sum of their squares is χ² of as many degrees of freedom. Not where there is
+        something of the same kind already: of what is attached to a link a mass is a part.
+
+        Args:
+            before: the model.
+            number: how many effects it has.
+        """
+        space = before.hypothesis.space
+        there = {(PORT_OF.get(name), where) for name, where in before.hypothesis.keys}
+
+        def hidden(effect: Effect) -> bool:
+            some = [k for name, k in space.index.items() if name.startswith(effect.hides_in)]
+            far = float(np.sum(space.precision[some] * before.x[some] ** 2 - 1)) / 2
+            return takes_enough(0.0, before.prior / 2, before.prior / 2 - far, number) > Answer.NO
+
+        wanted = {effect.name for effect in self.setup.effects if effect.hides_in and hidden(effect)}
+        if not wanted:
+            return []
+
+        def allowed(name: str, where: str) -> bool:
+            return name in wanted and (PORT_OF.get(name), where) not in there
+
+        return [before, *self.searched(before, number, allowed)]
 
     def remember(self, models: list[FittedFrfs]) -> None:
         """What was fitted in one place beside the same effects, for `considered`.

@@ -11,11 +11,9 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence, worst_point
 from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
-from flexmodal.diagnosis.effects import Effect
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.afresh import NEARLY
-from flexmodal.diagnosis.lawfree.effects_at import PORT_OF
 from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.next_measurement.choose import next_among_fits
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
@@ -46,6 +44,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     takes_enough,
 )
 from flexmodal.diagnosis.selection.in_its_stead import Refits
+from flexmodal.diagnosis.selection.set_up_anew import is_set_up, nearest, seen_anew, with_everything
 from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_limit import cut_short
@@ -66,7 +65,7 @@ class FrfData(FrfsByLook):
             setup: what the diagnosis works with.
             modes: that were measured too; they count in every comparison.
         """
-        self.setup, self.modes = setup, modes
+        self.setup, self.modes, self._seen = setup, modes, setup
         self.campaign, self.context, self.advance = setup.observations.campaign, setup.context, setup.advance
         self.effects, self.asked = setup.effects, setup.asked
         setup.advance("re-tuning the robot", 0.0)
@@ -132,35 +131,29 @@ class FrfData(FrfsByLook):
         if self.asked is not None:
             return []
         if self.is_close(before) or not self._candidates.can_look(before):
-            return self._hidden(before, number)
+            return self._candidates.hidden_in_card(before, number)
         look = self._candidates.look_beside(before)
         if not look.explains or look.left > NEARLY or look.is_at(before.hypothesis.keys):
-            return self._hidden(before, number)
+            return self._candidates.hidden_in_card(before, number)
         found = self._candidates.at_places(before, number, look, self.is_close, only_met=True)
         return [before, *found]
 
-    def _hidden(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
-        """A model with what the card's masses or its damping may have taken over, if they are far enough off.
+    def at_first(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
+        """See `Data`."""
+        if self.asked is not None or is_set_up(self.setup, before) or not self._candidates.can_look(before):
+            return [before]
+        look = self._candidates.look_beside(before)
+        found = self._candidates.by_narrow_laws(before, number, look) if look.needed else []
+        return [before, *nearest(self.setup, found)]
 
-        If they are all right the sum of their squares is χ² of as many degrees of freedom. Not where there is
-        something of the same kind already: of what is attached to a link a mass is a part.
-        """
-        space = before.hypothesis.space
-        there = {(PORT_OF.get(name), where) for name, where in before.hypothesis.keys}
-
-        def hidden(effect: Effect) -> bool:
-            some = [k for name, k in space.index.items() if name.startswith(effect.hides_in)]
-            far = float(np.sum(space.precision[some] * before.x[some] ** 2 - 1)) / 2
-            return takes_enough(0.0, before.prior / 2, before.prior / 2 - far, number) > Answer.NO
-
-        wanted = {effect.name for effect in self.effects if effect.hides_in and hidden(effect)}
-        if not wanted:
-            return []
-
-        def allowed(name: str, where: str) -> bool:
-            return name in wanted and (PORT_OF.get(name), where) not in there
-
-        return [before, *self._candidates.searched(before, number, allowed)]
+    def set_up_anew(self, models: Sequence[FittedFrfs]) -> tuple[FrfData, list[FittedFrfs]] | None:
+        """See `Data`."""
+        found = seen_anew(self.setup, models)
+        if found is None:
+            return None
+        setup, (first, *others) = found
+        data = FrfData(setup, self.modes)
+        return data, [first if first.hypothesis.placed else data.root, *others]
 
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """The finalists of a search, and a mode with no structure last.
@@ -242,11 +235,14 @@ class FrfData(FrfsByLook):
 
     def conclude(self, first: FittedFrfs, last: FittedFrfs, *, again: bool) -> Conclusion[FittedFrfs]:
         """See `Data`; the gaps on what was held out are those of before."""
-        setup, every = self.setup, self.setup.observations
+        setup = self.setup
         setup.advance("fitting everything once more", 0.0)
         apart, before, after = gaps_of(setup, first, last), first, last
         if again and setup.held.any():
-            before, after = (fitted_to_everything(setup, one) for one in (first, last))
+            setup, (before, after) = with_everything(setup, [first, last])
+            before, after = (fitted_to_everything(setup, one) for one in (before, after))
+            self._seen = setup
+        every = setup.observations
         gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
         over = over_noise(setup, after)
         seen = every if again else setup.fitted
@@ -293,4 +289,4 @@ class FrfData(FrfsByLook):
         """The FRFs and what the models have for them."""
         before, after = conclusion.before.predicted, conclusion.after.predicted
         told = {"believed": self.believed, "before": before, "after": after}
-        return {"frfs": self.setup.observations, "predicted": told, "moved": self.setup.moved}
+        return {"frfs": self._seen.observations, "predicted": told, "moved": self._seen.moved}

@@ -74,6 +74,7 @@ class ForwardSelection(Steps[M]):
             return False
         self.current, others = found
         self._placed(others)
+        self._set_up_anew([self.current])
         with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
             self._besides()
         return True
@@ -137,13 +138,15 @@ class ForwardSelection(Steps[M]):
             return True
         if self.data.is_at_rest(self.current):
             return False
-        before, many = self._state, len(self.current.hypothesis.keys)
+        many = len(self.current.hypothesis.keys)
+        self._set_up_anew(self.data.at_first(self.current, many) if many < MOST else [])
+        before, present = self._state, self.current
         models = self.data.pointed(self.current, many) if many < MOST else []
         if len(models) < 2 or not (self._taken(models, 0) or self._tried_on()):
             wider = self._widened(self.current.hypothesis.keys)
             return wider or self._bettered(exchanged(self.data, self.current))
         self.current = reconsidered(self.data, self.current)
-        much = takes(self.data, before[0], self.current, MUCH)
+        much = takes(self.data, present, self.current, MUCH)
         if many > 1 and not much and not self.data.leads_on(self.current):
             further, self._state, better = self._state, before, False
             try:
@@ -184,18 +187,20 @@ class ForwardSelection(Steps[M]):
     def _bettered(self, other: M) -> bool:
         """Whether a model is another one than the present, whose place it takes."""
         before, self.current = self.current, other
+        if other is not before:
+            self._set_up_anew([other])
         return other is not before
 
     def exchange(self, pair: M) -> None:
         """Look for the first effect again beside the second: alone, one takes up what it can of another."""
-        kept = self._state
+        kept, present = self._state, self.current
         self.current, self.refused = self.data.without(pair, pair.hypothesis.keys[0]), []
         self.steps[:] = [self.describe(self.data.compare([self.root, self.current]), 1)]
         nearer = False
         try:
             found = self.step(1) is not None
-            same = set(self.current.hypothesis.keys) == set(kept[0].hypothesis.keys)
-            taking = same and takes(self.data, kept[0], self.current, 0.0)
+            same = set(self.current.hypothesis.keys) == set(present.hypothesis.keys)
+            taking = same and takes(self.data, present, self.current, 0.0)
             nearer = found and (taking or self.data.is_enough(self.current))
         finally:
             if not nearer:

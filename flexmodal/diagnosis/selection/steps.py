@@ -48,13 +48,29 @@ class Steps(Generic[M]):
 
     @property
     def _state(self) -> tuple[Any, ...]:
-        return self.current, list(self.steps), self.refused, self.rivals, list(self.rounds)
+        told = list(self.steps), self.refused, self.rivals, list(self.rounds)
+        return self.data, self.root, self.current, *told
 
     @_state.setter
     def _state(self, state: tuple[Any, ...]) -> None:
-        self.current, self.steps, self.refused, self.rivals, self.rounds = state
+        self.data, self.root, self.current, self.steps, self.refused, self.rivals, self.rounds = state
+
+    def _set_up_anew(self, models: Sequence[M]) -> Sequence[M]:
+        """Models as they are once it is seen beside them how the test was set up; the first is the present.
+
+        What was compared before was compared as the test was set up by then.
+        """
+        found = self.data.set_up_anew(models) if models else None
+        if found is None:
+            return models
+        self.data, fitted = found
+        self.root, self.current = self.data.root, fitted[0]
+        if self.steps:
+            self.steps[:] = described.anew(self.data, self.root, self.current, self.describe)
+        return fitted
 
     def _taken(self, models: Sequence[M], number: int) -> Step | None:
+        models = self._set_up_anew(models)
         comparison = self.data.compare(models)
         found = self._chosen(comparison, number)
         self.rounds.append(Round(comparison, found))

@@ -1,0 +1,192 @@
+"""How a test was most likely set up, seen anew beside an effect.
+
+What was not set up exactly is first looked at beside the re-tuned robot. Where something is missing from it,
+that says little, and next to nothing is moved. An effect that takes a good part of the disagreement leaves
+what was due to angles, places and gains; beside it these are found, and with them moved the models are
+compared. What is moved is what the best of them asks for: the others are fitted again and may do better.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.effects import Context
+from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.names import UNSTRUCTURED
+from flexmodal.diagnosis.search.close_fit import fitted_closely, tried_closely
+from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_thresholds import NOTHING_HIDDEN
+from flexmodal.diagnosis.setup import Setup
+from flexmodal.identification import Observations, predict
+from flexmodal.identification.model import Group
+from flexmodal.identification.setting_up import SetUp
+from flexmodal.identification.tolerance import set_up_beside
+from flexmodal.structure import ParameterSpace
+
+TRIED = 2
+"""Models beside which it is looked at how the test was set up, the nearest first."""
+GAINS = 0.9
+"""Part of the distance from the averages that a model may have left for another set-up to be worth it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Elsewhere:
+    """A hypothesis where points and postures may be others than those of its diagnosis (`FrfModel`)."""
+
+    hypothesis: Hypothesis
+    _known: dict[Observations, Hypothesis] = field(default_factory=dict)
+
+    @property
+    def space(self) -> ParameterSpace:
+        """Its parameters."""
+        return self.hypothesis.space
+
+    def groups(
+        self, x: Float[np.ndarray, " parameter"], observations: Observations, *, slopes: bool
+    ) -> Sequence[Group]:
+        """See `identification.FrfModel` for the arguments."""
+        own = self.hypothesis
+        known = self._known.get(observations)
+        if known is None:
+            context = Context.of(own.context.robot, observations)
+            known = self._known[observations] = Hypothesis(context, own.base, own.placed)
+        return known.groups(x, observations, slopes=slopes)
+
+
+def is_set_up(setup: Setup, model: FittedFrfs) -> bool:
+    """Whether everything is exact, or nothing more can be seen beside a model that leaves mere noise.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: fitted to it.
+    """
+    return setup.said is None or over_seen(setup, model) <= NOTHING_HIDDEN
+
+
+def set_up_closely(setup: Setup) -> Setup:
+    """A test as it was most likely set up by the robot alone, re-tuned as closely as it will be.
+
+    Args:
+        setup: as it came out by a coarse fit.
+    """
+    if setup.said is None:
+        return setup
+    bare = Hypothesis(setup.context, setup.base)
+    found = seen_anew(setup, [fitted_closely(setup, bare, np.zeros(len(setup.base)))])
+    return setup if found is None else found[0]
+
+
+def seen_anew(setup: Setup, models: Sequence[FittedFrfs]) -> tuple[Setup, list[FittedFrfs]] | None:
+    """The test as it was most likely set up by the best of some models, and these fitted to it.
+
+    Args:
+        setup: what the diagnosis works with.
+        models: the first without anything new.
+
+    Returns:
+        None where everything is exact, one of them leaves no more than noise, or none does better.
+    """
+    if any(is_set_up(setup, one) for one in models):
+        return None
+    tried = [(one, again) for one in nearest(setup, models) for again in _beside(setup, one)]
+    better = [
+        (over_seen(other, fitted), other)
+        for one, (other, fitted) in tried
+        if over_seen(other, fitted) <= GAINS * over_seen(setup, one)
+    ]
+    if not better:
+        return None
+    _, best = min(better, key=lambda one: one[0])
+    known = {one: fitted for one, (other, fitted) in tried if other is best}
+    fitted = [[known[one]] if one in known else moved_to(best, one) for one in models]
+    return (best, [found for each in fitted for found in each]) if fitted[0] else None
+
+
+def nearest(setup: Setup, models: Sequence[FittedFrfs]) -> list[FittedFrfs]:
+    """Those few models beside which it is looked at how the test was set up, the nearest first.
+
+    Args:
+        setup: what the diagnosis works with.
+        models: fitted to it.
+    """
+    able = [one for one in models if one.key[0] != UNSTRUCTURED]
+    return sorted(able, key=lambda one: over_seen(setup, one))[:TRIED]
+
+
+def with_everything(setup: Setup, models: Sequence[FittedFrfs]) -> tuple[Setup, list[FittedFrfs]]:
+    """The test as the last of some models sets it up, by what was held out too; the models as they were.
+
+    Args:
+        setup: what the diagnosis works with.
+        models: fitted to what is not held out.
+    """
+    if setup.said is None:
+        return setup, list(models)
+    held, last = np.zeros_like(setup.held), models[-1]
+    now, _ = _set_up_by(replace(setup, held=held), last)
+    there = replace(now, held=setup.held, fitted=now.observations.keeping(~setup.held))
+    return there, [replace(one, hypothesis=_placed(there, one)) for one in models]
+
+
+def over_seen(setup: Setup, model: FittedFrfs) -> float:
+    """Distance from the averages of what is not held out over that of their noise alone.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: fitted to it.
+    """
+    assert setup.said is not None
+    plain = replace(setup, observations=replace(setup.observations, variance=setup.said.variance))
+    return over_noise(plain, model, ~setup.held)
+
+
+def moved_to(setup: Setup, model: FittedFrfs) -> list[FittedFrfs]:
+    """A model fitted to the test as it was set up by another one; none where there is no such model.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: fitted to the same test as it was set up otherwise.
+    """
+    return tried_closely(setup, _placed(setup, model), model.x)
+
+
+def _placed(setup: Setup, model: FittedFrfs) -> Hypothesis:
+    return Hypothesis(setup.context, setup.base, model.hypothesis.placed)
+
+
+def _beside(setup: Setup, model: FittedFrfs) -> list[tuple[Setup, FittedFrfs]]:
+    """The test as it was most likely set up by a model, and this fitted to it, if it comes nearer so."""
+    now, x = _set_up_by(setup, model)
+    hypothesis = _placed(now, model)
+    told = _beyond(setup, model) * predict(hypothesis, x, now.observations)
+    if over_seen(now, replace(model, predicted=told)) > GAINS * over_seen(setup, model):
+        return []
+    return [(now, fitted) for fitted in tried_closely(now, hypothesis, x)]
+
+
+def _set_up_by(setup: Setup, model: FittedFrfs) -> tuple[Setup, Float[np.ndarray, " parameter"]]:
+    """The test as it was most likely set up by a model, and how far the model's coordinates followed."""
+    assert setup.said is not None
+    assert setup.wide is not None
+    found = set_up_beside(
+        Elsewhere(model.hypothesis), model.x, setup.said, setup.wide, setup.context.robot, setup.held,
+        far=False, in_sample=True, factor=_beyond(setup, model), begun=SetUp(setup.said, setup.moved),
+    )  # fmt: skip
+    seen = found.observations
+    now = replace(
+        setup,
+        context=Context.of(setup.context.robot, seen), observations=seen,
+        fitted=seen.keeping(~setup.held), moved=found.found,
+    )  # fmt: skip
+    return now, model.x if found.x is None else found.x
+
+
+def _beyond(setup: Setup, model: FittedFrfs) -> Complex[np.ndarray, "observation line"]:
+    """What a model predicts over what it does without its torques that are not linear."""
+    linear = predict(model.hypothesis, model.x, setup.observations)
+    return np.where(linear == 0, 1.0, model.predicted / np.where(linear == 0, 1.0, linear))
