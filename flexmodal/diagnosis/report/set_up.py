@@ -26,9 +26,12 @@ def set_up_sections(diagnosis: Diagnosis) -> list[Section]:
     """
     if not diagnosis.moved:
         return []
-    table = Table(COLUMNS, [_row(one) for one in diagnosis.moved])
-    parts: Parts = [_SAYS, table, Text(_FAR, note=True)]
-    return [Section("How it was set up", parts)]
+    sure = [one for one in diagnosis.moved if abs(one.value) > one.deviation]
+    rest = len(diagnosis.moved) - len(sure)
+    table: Parts = [Table(COLUMNS, [_row(one) for one in sure]), Text(_FAR, note=True)] if sure else []
+    more = f"{rest} more were" if sure else "One was" if rest == 1 else f"All {rest} were"
+    note = Text(f"{more} moved by less than their standard error; they are in diagnosis.json.", note=True)
+    return [Section("How it was set up", [_SAYS, *table, *([note] if rest else [])])]
 
 
 def _row(one: Found) -> list[str | Cell]:
