@@ -15,6 +15,8 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import fitted_closely, fitted_to_everything
+from flexmodal.diagnosis.search.unstructured import unstructured_mode
+from flexmodal.diagnosis.selection import set_up_anew
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.set_up_anew import (
     TRIED,
@@ -132,6 +134,27 @@ def test_the_nearest_models_are_tried_but_none_without_a_law(fitted):
     assert len(every) == TRIED
     assert every[0] is models[1]
     assert odd not in every
+
+
+def test_a_mode_without_structure_is_looked_for_again(fitted):
+    """On top of the first model as it is now."""
+    setup, models = fitted
+    now, again = seen_anew(setup, [*models, unstructured_mode(setup, models[0])])
+    assert [one.key for one in again] == [*(one.key for one in models), (UNSTRUCTURED, "")]
+    assert over_seen(now, again[-1]) < over_seen(now, again[0])
+
+
+@pytest.mark.parametrize(("left", "moves"), [(3.0, False), (1.9, False), (1.7, True)])
+def test_only_what_comes_nearer_than_the_nearest_was_moves_anything(monkeypatch, fitted, left, moves):
+    """However much another model gains by its own angles and places: here from 5 times the noise."""
+    setup, (bare, right, wrong) = fitted
+    gained = replace(wrong, key=wrong.key)
+    sizes = {bare: 9.0, right: 2.0, wrong: 5.0, gained: left}
+    monkeypatch.setattr(set_up_anew, "over_seen", lambda setup, model: sizes.get(model, 9.0))
+    monkeypatch.setattr(set_up_anew, "_beside", lambda now, one: [(setup, gained)] if one is wrong else [])
+    found = seen_anew(setup, [bare, right, wrong])
+    assert (found is not None) is moves
+    assert not moves or found[1][2] is gained
 
 
 def test_a_model_sees_points_and_postures_that_are_not_its_own(fitted):

@@ -8,6 +8,7 @@ compared. What is moved is what the best of them asks for: the others are fitted
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -19,9 +20,11 @@ from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.search.close_fit import fitted_closely, tried_closely
+from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import NOTHING_HIDDEN
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_domain.model import has_law
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.model import Group
 from flexmodal.identification.setting_up import SetUp
@@ -89,22 +92,27 @@ def seen_anew(setup: Setup, models: Sequence[FittedFrfs]) -> tuple[Setup, list[F
         models: the first without anything new.
 
     Returns:
-        None where everything is exact, one of them leaves no more than noise, or none does better.
+        None where everything is exact, one of them leaves no more than noise, or none comes nearer than the
+        nearest was.
     """
     if any(is_set_up(setup, one) for one in models):
         return None
-    tried = [(one, again) for one in nearest(setup, models) for again in _beside(setup, one)]
-    better = [
-        (over_seen(other, fitted), other)
-        for one, (other, fitted) in tried
-        if over_seen(other, fitted) <= GAINS * over_seen(setup, one)
-    ]
-    if not better:
+    able = nearest(setup, models)
+    tried = [(one, again) for one in able for again in _beside(setup, one)]
+    scores = [over_seen(other, fitted) for _, (other, fitted) in tried]
+    if min(scores, default=math.inf) > GAINS * over_seen(setup, able[0]):
         return None
-    _, best = min(better, key=lambda one: one[0])
-    known = {one: fitted for one, (other, fitted) in tried if other is best}
-    fitted = [[known[one]] if one in known else moved_to(best, one) for one in models]
-    return (best, [found for each in fitted for found in each]) if fitted[0] else None
+    was, (best, nearer) = tried[int(np.argmin(scores))]
+
+    def again(one: FittedFrfs) -> list[FittedFrfs]:
+        return [nearer] if one is was else _moved_to(best, one)
+
+    plain = [one for one in models if one.key[0] != UNSTRUCTURED]
+    first, *others = (again(one) for one in plain)
+    if not first:
+        return None
+    modes = [unstructured_mode(best, first[0])] if len(plain) < len(models) else []
+    return best, [*first, *(found for each in others for found in each), *modes]
 
 
 def nearest(setup: Setup, models: Sequence[FittedFrfs]) -> list[FittedFrfs]:
@@ -145,13 +153,8 @@ def over_seen(setup: Setup, model: FittedFrfs) -> float:
     return over_noise(plain, model, ~setup.held)
 
 
-def moved_to(setup: Setup, model: FittedFrfs) -> list[FittedFrfs]:
-    """A model fitted to the test as it was set up by another one; none where there is no such model.
-
-    Args:
-        setup: what the diagnosis works with.
-        model: fitted to the same test as it was set up otherwise.
-    """
+def _moved_to(setup: Setup, model: FittedFrfs) -> list[FittedFrfs]:
+    """A model fitted to the test as it was set up by another one; none where there is no such model."""
     return tried_closely(setup, _placed(setup, model), model.x)
 
 
@@ -160,13 +163,20 @@ def _placed(setup: Setup, model: FittedFrfs) -> Hypothesis:
 
 
 def _beside(setup: Setup, model: FittedFrfs) -> list[tuple[Setup, FittedFrfs]]:
-    """The test as it was most likely set up by a model, and this fitted to it, if it comes nearer so."""
+    """The test as it was most likely set up by a model, and this fitted to it.
+
+    What is integrated in time takes long to fit, and is not where that promises nothing.
+    """
     now, x = _set_up_by(setup, model)
     hypothesis = _placed(now, model)
-    told = _beyond(setup, model) * predict(hypothesis, x, now.observations)
-    if over_seen(now, replace(model, predicted=told)) > GAINS * over_seen(setup, model):
+    beyond, limit = _beyond(setup, model), GAINS * over_seen(setup, model)
+    begun = [
+        replace(model, predicted=beyond * predict(hypothesis, at, now.observations)) for at in (x, model.x)
+    ]
+    near = [over_seen(now, one) for one in begun]
+    if has_law(hypothesis) and min(near) > limit:
         return []
-    return [(now, fitted) for fitted in tried_closely(now, hypothesis, x)]
+    return [(now, one) for one in tried_closely(now, hypothesis, x if near[0] <= near[1] else model.x)]
 
 
 def _set_up_by(setup: Setup, model: FittedFrfs) -> tuple[Setup, Float[np.ndarray, " parameter"]]:
