@@ -29,6 +29,7 @@ from flexmodal.diagnosis.selection.set_up_anew import (
     with_everything,
 )
 from flexmodal.diagnosis.setup import prepare
+from flexmodal.errors import SingularResponse
 from flexmodal.identification import observe, predict
 from flexmodal.identification.gap import over_noise as averages_over_noise
 from flexmodal.identification.sensitivities import Sensitivities, moved, nuisances_of
@@ -193,3 +194,19 @@ def test_one_that_leaves_mere_noise_moves_nothing_more(monkeypatch, fitted):
         "flexmodal.diagnosis.selection.set_up_anew.set_up_beside", Mock(side_effect=AssertionError)
     )
     assert seen_anew(setup, [models[0], perfect]) is None
+
+
+@pytest.mark.parametrize("where", ["set_up_beside", "predict"])
+def test_where_there_is_no_model_nothing_is_moved(monkeypatch, fitted, where):
+    """As beside a loop that rings up once points or angles are others."""
+    setup, models = fitted
+    real, rings_up = set_up_anew.predict, Mock(side_effect=SingularResponse("it rings up"))
+
+    def predicted(hypothesis, x, observations):
+        return real(hypothesis, x, observations) if observations is setup.observations else rings_up()
+
+    monkeypatch.setattr(set_up_anew, where, predicted if where == "predict" else rings_up)
+    assert seen_anew(setup, models) is None
+    rings_up.assert_called()
+    if where == "set_up_beside":
+        assert with_everything(setup, models) == (setup, models)

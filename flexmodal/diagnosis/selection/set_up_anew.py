@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,6 +26,7 @@ from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import NOTHING_HIDDEN
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
+from flexmodal.errors import SingularResponse
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.model import Group
 from flexmodal.identification.setting_up import SetUp
@@ -35,6 +37,9 @@ TRIED = 2
 """Models beside which it is looked at how the test was set up, the nearest first."""
 GAINS = 0.9
 """Part of the distance from the averages that a model may have left for another set-up to be worth it."""
+
+NO_MODEL = (np.linalg.LinAlgError, SingularResponse)
+"""What says that there is no model at some coordinates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +141,10 @@ def with_everything(setup: Setup, models: Sequence[FittedFrfs]) -> tuple[Setup, 
     if setup.said is None:
         return setup, list(models)
     held, last = np.zeros_like(setup.held), models[-1]
-    now, _ = _set_up_by(replace(setup, held=held), last)
+    found = _set_up_by(replace(setup, held=held), last)
+    if found is None:
+        return setup, list(models)
+    now, _ = found
     there = replace(now, held=setup.held, fitted=now.observations.keeping(~setup.held))
     return there, [replace(one, hypothesis=_placed(there, one)) for one in models]
 
@@ -167,26 +175,35 @@ def _beside(setup: Setup, model: FittedFrfs) -> list[tuple[Setup, FittedFrfs]]:
 
     What is integrated in time takes long to fit, and is not where that promises nothing.
     """
-    now, x = _set_up_by(setup, model)
-    hypothesis = _placed(now, model)
-    beyond, limit = _beyond(setup, model), GAINS * over_seen(setup, model)
-    begun = [
-        replace(model, predicted=beyond * predict(hypothesis, at, now.observations)) for at in (x, model.x)
-    ]
-    near = [over_seen(now, one) for one in begun]
-    if has_law(hypothesis) and min(near) > limit:
+    found = _set_up_by(setup, model)
+    if found is None:
         return []
-    return [(now, one) for one in tried_closely(now, hypothesis, x if near[0] <= near[1] else model.x)]
+    now, x = found
+    hypothesis, beyond, near = _placed(now, model), _beyond(setup, model), {}
+    for number, at in enumerate((x, model.x)):
+        with suppress(*NO_MODEL):
+            told = replace(model, predicted=beyond * predict(hypothesis, at, now.observations))
+            near[number] = over_seen(now, told)
+    if not near or (has_law(hypothesis) and min(near.values()) > GAINS * over_seen(setup, model)):
+        return []
+    begun = (x, model.x)[min(near, key=lambda number: near[number])]
+    return [(now, one) for one in tried_closely(now, hypothesis, begun)]
 
 
-def _set_up_by(setup: Setup, model: FittedFrfs) -> tuple[Setup, Float[np.ndarray, " parameter"]]:
-    """The test as it was most likely set up by a model, and how far the model's coordinates followed."""
+def _set_up_by(setup: Setup, model: FittedFrfs) -> tuple[Setup, Float[np.ndarray, " parameter"]] | None:
+    """The test as it was most likely set up by a model, and how far the model's coordinates followed.
+
+    None where they come to where there is no model, as beside a loop that rings up.
+    """
     assert setup.said is not None
     assert setup.wide is not None
-    found = set_up_beside(
-        Elsewhere(model.hypothesis), model.x, setup.said, setup.wide, setup.context.robot, setup.held,
-        far=False, in_sample=True, factor=_beyond(setup, model), begun=SetUp(setup.said, setup.moved),
-    )  # fmt: skip
+    try:
+        found = set_up_beside(
+            Elsewhere(model.hypothesis), model.x, setup.said, setup.wide, setup.context.robot, setup.held,
+            far=False, in_sample=True, factor=_beyond(setup, model), begun=SetUp(setup.said, setup.moved),
+        )  # fmt: skip
+    except NO_MODEL:
+        return None
     seen = found.observations
     now = replace(
         setup,
