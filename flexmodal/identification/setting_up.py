@@ -116,7 +116,8 @@ def set_up(
         far: whether what lies far outside its tolerance is moved; without it that is left to effects of
             sensors, angles of postures alone being moved as far as they have to.
         factor: what is known to be predicted on these lines over what the model gives; 1 if None.
-        begun: what was moved when the model was fitted; nothing if None.
+        begun: what was moved when the model was fitted closely, which may be all there is; if None nothing
+            was, and the fit was coarse.
     """
     given = _Given(model, lines, prior, factor, dict(begun.settings) if begun is not None else None)
     kept = ~np.zeros(len(list(nuisances_of(observations))), dtype=bool)

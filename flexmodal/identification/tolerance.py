@@ -98,7 +98,7 @@ def set_up_beside(
             after all. Without it what is open still counts everywhere, and of what is held out all that the
             campaign says.
         factor: what is known to be predicted over what the model gives; 1 if None.
-        begun: what was moved when it was fitted; nothing if None.
+        begun: see `set_up`.
     """
     lines = _looked_at(observations)
     seen, plain = wide.keeping(~held), observations.keeping(~held)

@@ -74,8 +74,8 @@ class ForwardSelection(Steps[M]):
             return False
         self.current, others = found
         self._placed(others)
-        self._set_up_anew([self.current])
         with suppress(OutOfTime), self.limit.counting(FOR_EFFECTS):
+            self._set_up_anew([self.current])
             self._besides()
         return True
 

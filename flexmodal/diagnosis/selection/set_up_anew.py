@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -47,7 +47,6 @@ class Elsewhere:
     """A hypothesis where points and postures may be others than those of its diagnosis (`FrfModel`)."""
 
     hypothesis: Hypothesis
-    _known: dict[Observations, Hypothesis] = field(default_factory=dict)
 
     @property
     def space(self) -> ParameterSpace:
@@ -59,11 +58,8 @@ class Elsewhere:
     ) -> Sequence[Group]:
         """See `identification.FrfModel` for the arguments."""
         own = self.hypothesis
-        known = self._known.get(observations)
-        if known is None:
-            context = Context.of(own.context.robot, observations)
-            known = self._known[observations] = Hypothesis(context, own.base, own.placed)
-        return known.groups(x, observations, slopes=slopes)
+        there = Hypothesis(Context.of(own.context.robot, observations), own.base, own.placed)
+        return there.groups(x, observations, slopes=slopes)
 
 
 def is_set_up(setup: Setup, model: FittedFrfs) -> bool:
