@@ -155,11 +155,16 @@ def _turned(rows: np.ndarray, way: np.ndarray) -> tuple[tuple[float, ...], ...]:
     return tuple(tuple(row) for row in turned.T.tolist())
 
 
+def kinds(given: argparse.Namespace) -> list[str]:
+    """Of campaigns that were asked for, as the options have them."""
+    return [kind for kind in ("planar", "single") if getattr(given, kind)]
+
+
 def within(seed: int, given: argparse.Namespace) -> dict[str, Any]:
     """A campaign in a process of its own, which is given so much processor time."""
     seconds = math.ceil(60 * given.minutes)
     words = [sys.executable, __file__, "--one", str(seed), "--within", str(given.within)]
-    words += [f"--{name}" for name in ("planar", "single") if getattr(given, name)]
+    words += [f"--{kind}" for kind in kinds(given)]
     done = subprocess.run(
         words, capture_output=True, text=True, check=False,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5)),
@@ -187,7 +192,7 @@ def main() -> None:
         return
     published = FIRST_SINGLE if given.single else FIRST
     given.first = published if given.first is None else given.first
-    name = "_".join(["dirty", *(one for one in ("planar", "single") if getattr(given, one))])
+    name = "_".join(["dirty", *kinds(given)])
     cache, rows = kept(f"{name}-{given.first}")
     done = {row["seed"]: row for row in rows}
     todo = [seed for seed in range(given.first, given.first + given.campaigns) if seed not in done]
@@ -228,11 +233,9 @@ def told(every: list[dict[str, Any]], name: str | None, given: argparse.Namespac
         ["effects named that are not there", "–", f"{wrong}"],
     ]
     if name is not None:
-        options = "".join(f" --{one}" for one in ("planar", "single") if getattr(given, one))
-        where, count = (
-            " in a plane" if given.planar else "",
-            "one effect" if given.single else "three to five effects",
-        )
+        options = "".join(f" --{kind}" for kind in kinds(given))
+        where = " in a plane" if given.planar else ""
+        count = "one effect" if given.single else "three to five effects"
         lead = (
             f"Made by `python benchmarks/dirty.py{options}`: random arms{where}, {count} of other "
             f"physical forms, masses and inertias {100 * MASS:g} % off, tolerances of "

@@ -98,8 +98,8 @@ def prepare(
     if found.left is not None:
         observations, context = found.observations, Context.of(robot, found.observations)
     fitted = observations.keeping(~held)
-    open_ = {} if found.left is None else {"said": said, "wide": wide}
-    return Setup(context, base, observations, fitted, held, known, asked, seed, advance, found.found, **open_)
+    told = (None, None) if found.left is None else (said, wide)
+    return Setup(context, base, observations, fitted, held, known, asked, seed, advance, found.found, *told)
 
 
 def trust_of(robot: Robot, trust: Mapping[str, float]) -> dict[str, float]:

@@ -15,7 +15,7 @@ that the data do not ask for is not fitted: its score has to promise `WORTH` nat
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,35 +94,42 @@ def far_words(found: Iterable[Found]) -> tuple[str, ...]:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """A fitted model beside which it is looked at how a test was set up."""
+
+    model: FrfModel
+    """Of the robot, with or without effects."""
+    x: Float[np.ndarray, " parameter"]
+    """Where it was fitted."""
+    factor: Complex[np.ndarray, "observation line"] | None = None
+    """What is known to be predicted over what the model gives; 1 if None."""
+    begun: SetUp | None = None
+    """What was moved when it was fitted closely, so that it may be all there is; if None nothing was, and the
+    fit was coarse."""
+
+
 def set_up(
-    model: FrfModel,
-    x: Float[np.ndarray, " parameter"],
+    beside: Beside,
     observations: Observations,
     lines: Int[np.ndarray, " looked"],
     prior: Float[np.ndarray, "observation line"],
     *,
     far: bool = True,
-    factor: Complex[np.ndarray, "observation looked"] | None = None,
-    begun: SetUp | None = None,
 ) -> SetUp:
     """Move what the data ask for.
 
     Args:
-        model: of the robot, with or without effects.
-        x: where it was fitted.
+        beside: what was fitted.
         observations: as they are said to have been set up; variances of noise alone.
         lines: numbers of the lines that are looked at.
         prior: variance that the tolerances add, by which residuals are weighed.
         far: whether what lies far outside its tolerance is moved; without it that is left to effects of
             sensors, angles of postures alone being moved as far as they have to.
-        factor: what is known to be predicted on these lines over what the model gives; 1 if None.
-        begun: what was moved when the model was fitted closely, which may be all there is; if None nothing
-            was, and the fit was coarse.
     """
-    given = _Given(model, lines, prior, factor, dict(begun.settings) if begun is not None else None)
     kept = ~np.zeros(len(list(nuisances_of(observations))), dtype=bool)
     while True:
-        found = _moved_by(given, x, observations, kept)
+        found = _moved_by(_Looked(beside, lines, prior), observations, kept)
         odd = np.array([not far and one.kind != "posture" for one in found.nuisances])
         odd &= np.abs(found.values) > FAR * found.deviations
         if not odd.any():
@@ -167,25 +174,25 @@ class _Moved:
 
 
 @dataclass(frozen=True, eq=False)
-class _Given:
+class _Looked:
     """What stays the same in all rounds; see `set_up`."""
 
-    model: FrfModel
+    beside: Beside
     lines: Int[np.ndarray, " looked"]
     prior: Float[np.ndarray, "observation line"]
-    factor: Complex[np.ndarray, "observation looked"] | None
-    begun: Mapping[Nuisance, float] | None
 
 
-def _moved_by(given: _Given, x: np.ndarray, observations: Observations, kept: np.ndarray) -> _Moved:
+def _moved_by(looked: _Looked, observations: Observations, kept: np.ndarray) -> _Moved:
     """Rounds of scores and steps, with some of the parameters left as they are."""
     keys = tuple(nuisances_of(observations))
     errors = np.array([one.deviation for one in keys])
-    total = kept * np.array([(given.begun or {}).get(one, 0.0) for one in keys])
+    begun, x = looked.beside.begun, looked.beside.x
+    known = dict(begun.settings) if begun is not None else {}
+    total = kept * np.array([known.get(one, 0.0) for one in keys])
     now = moved(observations, [(one, value) for one, value in zip(keys, total, strict=True) if value])
     for _ in range(ROUNDS):
-        sensitivities = Sensitivities.of(given.model, x, now, given.lines)
-        step, x, errors = _step(given, x, now, sensitivities, total, kept)
+        sensitivities = Sensitivities.of(looked.beside.model, x, now, looked.lines)
+        step, x, errors = _step(looked, x, now, sensitivities, total, kept)
         total = total + step
         now = moved(observations, [(one, value) for one, value in zip(keys, total, strict=True) if value])
         if np.all(np.abs(step) <= SETTLED * sensitivities.deviations):
@@ -194,7 +201,7 @@ def _moved_by(given: _Given, x: np.ndarray, observations: Observations, kept: np
 
 
 def _step(
-    given: _Given,
+    looked: _Looked,
     x: np.ndarray,
     observations: Observations,
     sensitivities: Sensitivities,
@@ -202,12 +209,12 @@ def _step(
     kept: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Steps of the nuisance parameters, the robot's coordinates after them, and standard errors."""
-    size, model, lines = len(x), given.model, given.lines
+    size, model, lines, factor = len(x), looked.beside.model, looked.lines, looked.beside.factor
     value, slopes = _evaluated(model, x, observations, lines)
-    r = residual(value if given.factor is None else value * given.factor, observations.value[:, lines])
+    r = residual(value if factor is None else value * factor[:, lines], observations.value[:, lines])
     used = observations.used[:, lines]
     variance = np.where(used, observations.variance[:, lines], 1.0) + FLOOR**2
-    scaled = np.abs(r) ** 2 / (variance + given.prior[:, lines])
+    scaled = np.abs(r) ** 2 / (variance + looked.prior[:, lines])
     counted = used * np.minimum(1.0, HUBER / np.sqrt(np.maximum(scaled, 1e-300)))
     root = np.sqrt(counted / variance)
     own = (slopes / np.where(value == 0, np.inf, value) * root).reshape(size, -1)
@@ -216,7 +223,7 @@ def _step(
     normal, gradient = _normal(design, pull.ravel())
     back = precision * np.concatenate([x, before])
     temper = _temper(r, variance, used)
-    for _ in range(TEMPERED if given.begun is not None else 0):
+    for _ in range(TEMPERED if looked.beside.begun is not None else 0):
         every = -np.linalg.solve(temper * normal + np.diag(precision), temper * gradient + back)
         change = (every @ design).reshape(r.shape) / np.where(used, root, np.inf)
         temper = _temper(r + change, variance, used)

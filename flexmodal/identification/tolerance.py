@@ -18,10 +18,10 @@ from jaxtyping import Bool, Complex, Float, Int
 
 from flexmodal.campaign import Axes, CampaignPoint, Tolerance
 from flexmodal.identification.frf_fit import fit
-from flexmodal.identification.model import FrfModel, RobotModel, predict
+from flexmodal.identification.model import RobotModel, predict
 from flexmodal.identification.observations import Observations, unlimited
 from flexmodal.identification.sensitivities import moved
-from flexmodal.identification.setting_up import SetUp, set_up
+from flexmodal.identification.setting_up import Beside, SetUp, set_up
 from flexmodal.model import Robot
 from flexmodal.structure import ParameterSpace, robot_space
 
@@ -66,12 +66,12 @@ def as_set_up(
     lines = _looked_at(observations)
     model = RobotModel(robot, space)
     tuned = fit(model, wide.keeping(~away), floors=FLOORS, steps=STEPS, lines=lines, apart=False)
-    return set_up_beside(model, tuned.x, observations, wide, robot, away, far=far, in_sample=in_sample)
+    beside = Beside(model, tuned.x)
+    return set_up_beside(beside, observations, wide, robot, away, far=far, in_sample=in_sample)
 
 
 def set_up_beside(
-    model: FrfModel,
-    x: Float[np.ndarray, " parameter"],
+    beside: Beside,
     observations: Observations,
     wide: Observations,
     robot: Robot,
@@ -79,14 +79,11 @@ def set_up_beside(
     *,
     far: bool = True,
     in_sample: bool = False,
-    factor: Complex[np.ndarray, "observation line"] | None = None,
-    begun: SetUp | None = None,
 ) -> SetUp:
     """How it was most likely set up by a model that was fitted.
 
     Args:
-        model: of the robot, with or without effects.
-        x: where it was fitted.
+        beside: what was fitted.
         observations: as they are said to have been set up; variances of noise alone.
         wide: the same with the variance of the tolerances.
         robot: as its card says.
@@ -97,14 +94,11 @@ def set_up_beside(
             Of what is held out the angles of the postures are open, as the campaign says, and what else is
             after all. Without it what is open still counts everywhere, and of what is held out all that the
             campaign says.
-        factor: what is known to be predicted over what the model gives; 1 if None.
-        begun: see `set_up`.
     """
     lines = _looked_at(observations)
     seen, plain = wide.keeping(~held), observations.keeping(~held)
-    own = None if factor is None else factor[~held][:, lines]
-    open_ = seen.variance - plain.variance
-    found = set_up(model, x, plain, lines, open_, far=far, factor=own, begun=begun)
+    own = beside if beside.factor is None else replace(beside, factor=beside.factor[~held])
+    found = set_up(own, plain, lines, seen.variance - plain.variance, far=far)
     now, given, left = moved(observations, found.settings), observations.campaign.tolerance, found.left
     assert left is not None
     variance = now.variance if in_sample else with_tolerance(now, robot, left).variance

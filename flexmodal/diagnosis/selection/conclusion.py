@@ -11,6 +11,7 @@ from jaxtyping import Float
 from flexmodal.diagnosis.outcome import Gaps, Region
 from flexmodal.diagnosis.selection.comparison import M
 from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.setup import Setup
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +30,8 @@ class Conclusion(Generic[M]):
     along, so that there is no such figure."""
     reached: Answer
     """Whether that is noise."""
+    setup: Setup | None = None
+    """The test as it was set up by everything that was measured; None of modes alone."""
 
     @property
     def deviation(self) -> Float[np.ndarray, " parameter"]:

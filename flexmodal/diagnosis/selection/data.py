@@ -93,13 +93,16 @@ class Data(ToldData[M], ABC, Generic[M]):
         return []
 
     def at_first(self, before: M, number: int) -> list[M]:
-        """A model, and what does best beside it before any is followed, where a test is not set up exactly.
+        """A model, and what does best beside it before any is followed, to see anew how a test was set up.
 
         Args:
             before: the model.
             number: how many effects it has.
+
+        Returns:
+            Nothing where everything is exact, or nothing else can be seen.
         """
-        return [before]
+        return []
 
     def set_up_anew(self, models: Sequence[M]) -> tuple[Data[M], list[M]] | None:
         """The data as they were most likely set up by the best of some models, and these fitted to them.

@@ -65,7 +65,7 @@ class FrfData(FrfsByLook):
             setup: what the diagnosis works with.
             modes: that were measured too; they count in every comparison.
         """
-        self.setup, self.modes, self._seen = setup, modes, setup
+        self.setup, self.modes = setup, modes
         self.campaign, self.context, self.advance = setup.observations.campaign, setup.context, setup.advance
         self.effects, self.asked = setup.effects, setup.asked
         setup.advance("re-tuning the robot", 0.0)
@@ -141,10 +141,10 @@ class FrfData(FrfsByLook):
     def at_first(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
         """See `Data`."""
         if self.asked is not None or is_set_up(self.setup, before) or not self._candidates.can_look(before):
-            return [before]
+            return []
         look = self._candidates.look_beside(before)
         found = self._candidates.by_narrow_laws(before, number, look) if look.needed else []
-        return [before, *nearest(self.setup, found)]
+        return [before, *nearest(self.setup, found)] if found else []
 
     def set_up_anew(self, models: Sequence[FittedFrfs]) -> tuple[FrfData, list[FittedFrfs]] | None:
         """See `Data`."""
@@ -241,7 +241,6 @@ class FrfData(FrfsByLook):
         if again and setup.held.any():
             setup, (before, after) = with_everything(setup, [first, last])
             before, after = (fitted_to_everything(setup, one) for one in (before, after))
-            self._seen = setup
         every = setup.observations
         gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
         over = over_noise(setup, after)
@@ -252,6 +251,7 @@ class FrfData(FrfsByLook):
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
             disagreement(every, before.predicted), disagreement(every, after.predicted), sure, over,
             reached(over, left(setup, first, after), Answer.NO if after.hypothesis.by_force else self.force),
+            setup,
         )  # fmt: skip
 
     def place(self, model: FittedFrfs, findings: Findings | None) -> str:
@@ -289,4 +289,5 @@ class FrfData(FrfsByLook):
         """The FRFs and what the models have for them."""
         before, after = conclusion.before.predicted, conclusion.after.predicted
         told = {"believed": self.believed, "before": before, "after": after}
-        return {"frfs": self._seen.observations, "predicted": told, "moved": self._seen.moved}
+        seen = conclusion.setup or self.setup
+        return {"frfs": seen.observations, "predicted": told, "moved": seen.moved}

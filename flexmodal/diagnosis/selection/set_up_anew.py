@@ -29,7 +29,7 @@ from flexmodal.diagnosis.time_domain.model import has_law
 from flexmodal.errors import SingularResponse
 from flexmodal.identification import Observations, predict
 from flexmodal.identification.model import Group
-from flexmodal.identification.setting_up import SetUp
+from flexmodal.identification.setting_up import Beside, SetUp
 from flexmodal.identification.tolerance import set_up_beside
 from flexmodal.structure import ParameterSpace
 
@@ -193,11 +193,12 @@ def _set_up_by(setup: Setup, model: FittedFrfs) -> tuple[Setup, Float[np.ndarray
     """
     assert setup.said is not None
     assert setup.wide is not None
+    begun = SetUp(setup.said, setup.moved)
+    beside = Beside(Elsewhere(model.hypothesis), model.x, _beyond(setup, model), begun)
     try:
         found = set_up_beside(
-            Elsewhere(model.hypothesis), model.x, setup.said, setup.wide, setup.context.robot, setup.held,
-            far=False, in_sample=True, factor=_beyond(setup, model), begun=SetUp(setup.said, setup.moved),
-        )  # fmt: skip
+            beside, setup.said, setup.wide, setup.context.robot, setup.held, far=False, in_sample=True
+        )
     except NO_MODEL:
         return None
     seen = found.observations
