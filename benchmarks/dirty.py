@@ -234,6 +234,7 @@ def told(every: list[dict[str, Any]], name: str | None, given: argparse.Namespac
     ]
     if name is not None:
         options = "".join(f" --{kind}" for kind in kinds(given))
+        options += f" --campaigns {given.campaigns} --within {given.within:g}"
         where = " in a plane" if given.planar else ""
         count = "one effect" if given.single else "three to five effects"
         lead = (
@@ -242,7 +243,8 @@ def told(every: list[dict[str, Any]], name: str | None, given: argparse.Namespac
             f"{TOLERANCE.posture} rad, {1e3 * TOLERANCE.position:g} mm, {TOLERANCE.direction} rad and "
             f"{100 * TOLERANCE.gain:g} %, double hits in one posture, one FRF whose phases are noise."
         )
-        write(name, "Campaigns in which little went well", lead, ["what", "goal", "found"], table)
+        title = "Campaigns in which little went well" + (", one effect in each" if given.single else "")
+        write(name, title, lead, ["what", "goal", "found"], table)
     else:
         for row in table:
             print(*row, sep="  ")
