@@ -1,19 +1,21 @@
 """Every law at each of its levels: the right one is found where no narrow law and no look points to it."""
 
 from dataclasses import replace
+from itertools import product
 from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.effects.effect import Level
 from flexmodal.diagnosis.effects.held_tool import HELD_TOOL, stiffness_of
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search import every_law as searching
 from flexmodal.diagnosis.search.close_fit import fitted_closely
-from flexmodal.diagnosis.search.coarse import Candidate
+from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.every_law import Tried, every_law, followed, worth_following
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection import wider_laws
@@ -73,7 +75,9 @@ def test_the_law_that_is_there_comes_first_at_its_own_level(looked, found):
 
 def test_followed_closely_it_leaves_nothing(looked, found):
     setup, _ = looked
-    close = followed(setup, worth_following(found), SetOut([]), lambda one: over_noise(setup, one) <= 1.0)
+    close = followed(
+        setup, worth_following(found), SetOut([]), lambda one: over_noise(setup, one) <= 1.0, anywhere=False
+    )
     best = min(close, key=lambda one: one.cost)
     assert best.key == ("joint_coupling", WHERE)
     assert over_noise(setup, best) < 0.05
@@ -113,15 +117,17 @@ def test_the_best_level_of_a_few_places_is_followed():
 
 
 @pytest.mark.parametrize(
-    ("enough", "fitted", "widened"),
+    ("enough", "anywhere", "fitted", "widened"),
     [
-        ("reached", ["wide"], []),
-        ("wider", ["wide", "below"], ["below"]),
-        ("nothing", ["wide", "below", "alone", "below"], ["below", "below"]),
+        ("reached", True, ["wide"], []),
+        ("wider", True, ["wide", "below"], ["below"]),
+        ("nothing", True, ["wide", "below", "alone", "below"], ["below", "below"]),
+        ("reached", False, ["wide"], []),
+        ("wider", False, ["wide", "alone"], []),
     ],
 )
-def test_what_is_enough_ends_it(monkeypatch, enough, fitted, widened):
-    """From where it has come to, and else by all starts from the level below on."""
+def test_what_is_enough_ends_it(monkeypatch, enough, anywhere, fitted, widened):
+    """From where it has come to, and else perhaps by all starts from the level below on."""
     asked, further = [], []
 
     def closely(setup, hypothesis, x):
@@ -139,29 +145,69 @@ def test_what_is_enough_ends_it(monkeypatch, enough, fitted, widened):
         Tried(Mock(spec=Candidate, hypothesis="wide", x=None), below),
         Tried(Mock(spec=Candidate, hypothesis="alone", x=None), below),
     ]
-    followed(Mock(spec=Setup), many, SetOut([]), lambda one: one.told == enough)
+    followed(Mock(spec=Setup), many, SetOut([]), lambda one: one.told == enough, anywhere=anywhere)
     assert (asked, further) == (fitted, widened)
+
+
+def test_a_grid_of_starts_is_thinned_so_that_every_value_of_its_numbers_is_met():
+    few, grid = [{"a": k} for k in range(300)], list(product(range(4), repeat=5))
+    assert searching._spread(few) == few
+    some = searching._spread(grid)
+    assert 150 < len(some) < 300
+    assert [len({one[k] for one in some}) for k in range(5)] == [4] * 5
+    pairs = {one[k : k + 2] for one in some for k in range(4)}
+    assert len(pairs) == 16
+
+
+def test_what_is_far_behind_is_not_fitted_further(context, monkeypatch):
+    """Nor what a level above it would make of it: that is begun from where it was left."""
+    costs = {"hinges": iter([100.0, 90.0, 100.0, 90.0]), "far": iter([301.0, 302.0])}
+    steps = []
+
+    def fitted(one, floor, most):
+        steps.append((one.hypothesis.keys[-1][0], most))
+        return replace(one, cost=next(costs["far" if "coupling" in one.hypothesis.keys[-1][0] else "hinges"]))
+
+    seen = Mock(spec=Look, fitted=fitted)
+    seen.started = lambda hypothesis, starts, floor, most: [
+        Candidate(hypothesis, one, 0.0) for one in starts[:1]
+    ]
+    trials = searching._Trials(seen, Hypothesis(context, robot_space(context.robot)), np.zeros(0))
+    narrow = replace(known()["joint_coupling"], next_level=None), WHERE
+    link = replace(known()["link_flexibility"], next_level=None), "link_2"
+    begun = [trials.begun(Level.anew(effect), where, {}) for effect, where in (link, narrow)]
+    found = [
+        one for law, some in zip((link, narrow), begun, strict=True) for one in trials.levels(*law, some)
+    ]
+    assert [one.cost for one in found] == [90.0, 301.0]
+    first, further = searching.FIRST, searching.FURTHER
+    assert steps == [("link_flexibility", first), ("joint_coupling", first), ("link_flexibility", further)]
 
 
 @pytest.mark.parametrize(
     ("several", "over", "rest", "swept"),
     [(False, 3.0, 1.0, True), (False, 1.9, 1.0, False), (True, 3.0, 0.9, True), (True, 3.0, 0.5, False)],
 )
-def test_every_law_is_tried_where_none_takes_a_good_part(monkeypatch, several, over, rest, swept):
-    """Beside the robot alone where something is left at all; from the card there, and else from what is."""
+@pytest.mark.parametrize("explains", [False, True])
+def test_every_law_is_tried_where_none_takes_a_good_part(monkeypatch, several, over, rest, swept, explains):
+    """Beside the robot alone where something is left at all; from the card there, and else from what is.
+
+    Beside effects all starts are followed only where one place explains everything.
+    """
     found = [Mock(spec=FittedFrfs, key=("added_mass", "a"), cost=3.0, over=over) for _ in range(2)]
     right = Mock(spec=FittedFrfs, key=("joint_coupling", WHERE), cost=0.1, over=1.0)
-    asked = []
+    asked, started = [], []
     monkeypatch.setattr(wider_laws, "over_noise", lambda setup, one: one.over)
     monkeypatch.setattr(wider_laws, "left", lambda *given: rest)
     monkeypatch.setattr(wider_laws, "starts", lambda *given: SetOut([np.zeros(1)]))
     monkeypatch.setattr(wider_laws, "every_law", lambda *given, with_force: asked.append(given[2]) or [])
-    monkeypatch.setattr(wider_laws, "followed", lambda *given: [right])
+    monkeypatch.setattr(wider_laws, "followed", lambda *given, anywhere: started.append(anywhere) or [right])
     candidates = FrfCandidates.__new__(FrfCandidates)
     candidates.setup, candidates.depends_on_force = Mock(spec=Setup), lambda before: False
     before = Mock(spec=FittedFrfs, hypothesis=Mock(placed=(1,) if several else ()), x=np.ones(1))
-    told = candidates.with_wider_laws(before, found, Mock(spec=Findings))
+    told = candidates.with_wider_laws(before, found, Mock(spec=Findings, explains=explains))
     assert (right in told) == swept
+    assert started == [explains or not several] * swept
     assert [one.tolist() for one in asked] == ([[float(several)]] if swept else [])
 
 

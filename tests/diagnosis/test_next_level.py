@@ -97,6 +97,34 @@ def test_fewer_starts_are_followed_beside_torques_that_are_integrated(
     assert len(steps) == coarse
 
 
+@pytest.mark.parametrize(
+    ("costs", "fits"),
+    [((5.0, 3.0, 2.0), 3), ((5.0, 5.001, 2.0), 2), ((5.0, 4.0, 4.001), 3), ((5.0, None, 2.0), 3)],
+)
+def test_no_further_start_is_followed_once_two_end_in_the_same_place(context, monkeypatch, costs, fits):
+    hypothesis = Hypothesis(context, robot_space(context.robot)).and_also(Placed(FOUNDATION, "base"))
+    look = Mock(
+        spec=Look, started=lambda given, tried, floor, most: [Mock(spec=Candidate, x=x) for x in tried]
+    )
+    look.fitted = lambda one, floor, steps: Mock(spec=Candidate, x=one.x, cost=one.x)
+    left = iter(costs)
+
+    def closely(setup, given, x):
+        cost = next(left)
+        return [] if cost is None else [Mock(spec=FittedFrfs, cost=cost)]
+
+    monkeypatch.setattr(next_level, "tried_closely", closely)
+    found = next_level._followed(
+        Mock(spec=Setup, advance=Mock()),
+        look,
+        hypothesis,
+        [1.0, 2.0, 3.0],
+        lambda one: False,
+        next_level.ROUNDS,
+    )
+    assert [one.cost for one in found] == [one for one in costs[:fits] if one is not None]
+
+
 @pytest.mark.slow
 def test_bolts_are_found_from_where_springs_alone_ended(fits):
     """An effect at its last level has no other."""

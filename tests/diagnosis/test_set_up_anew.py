@@ -9,7 +9,7 @@ import pytest
 import flexmodal
 from flexmodal.campaign import Tolerance
 from flexmodal.diagnosis import diagnose
-from flexmodal.diagnosis.disagreement.gaps import over_noise
+from flexmodal.diagnosis.disagreement.gaps import as_believed, over_noise
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import UNSTRUCTURED
@@ -17,7 +17,9 @@ from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import fitted_closely, fitted_to_everything
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection import set_up_anew
+from flexmodal.diagnosis.selection.decision import Answer
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.set_up_anew import (
     TRIED,
     Elsewhere,
@@ -30,7 +32,7 @@ from flexmodal.diagnosis.selection.set_up_anew import (
 )
 from flexmodal.diagnosis.setup import prepare
 from flexmodal.errors import SingularResponse
-from flexmodal.identification import observe, predict
+from flexmodal.identification import gap, observe, predict
 from flexmodal.identification.gap import over_noise as averages_over_noise
 from flexmodal.identification.sensitivities import Sensitivities, moved, nuisances_of
 from flexmodal.rig import Hide, simulate
@@ -105,6 +107,25 @@ def test_what_is_held_out_moves_nothing_until_everything_counts(fitted):
     ]
     assert left[1] < 1.25
     assert left[1] < 0.7 * left[0]
+
+
+def test_in_the_end_all_models_are_seen_where_the_test_is_thought_to_be_set_up(fitted):
+    """The card too, and the model that the others are better than."""
+    setup, models = fitted
+    now, (before, after, _) = seen_anew(setup, models)
+    data = FrfData.__new__(FrfData)
+    data.setup, data.advance, data.force = now, now.advance, Answer.NO
+    conclusion = data.conclude(before, after, again=True)
+    last = conclusion.setup
+    assert last is not now
+    assert conclusion.before.hypothesis.context is last.context
+    shown, seen = data.shown(conclusion), last.observations
+    assert shown["frfs"] is seen
+    bare = Hypothesis(last.context, last.base)
+    card = predict(bare, np.zeros(len(last.base)), seen)
+    np.testing.assert_array_equal(shown["predicted"]["believed"], card)
+    assert np.abs(card - as_believed(now)).max() > 1e-3 * np.abs(card).max()
+    assert conclusion.gaps.believed == gap(seen, card).value
 
 
 @pytest.mark.slow

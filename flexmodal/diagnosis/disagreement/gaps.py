@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Complex
 
+from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Gaps
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
-from flexmodal.identification import gap
+from flexmodal.identification import gap, predict
 from flexmodal.identification.gap import over_noise as averages_over_noise
+
+
+def as_believed(setup: Setup) -> Complex[np.ndarray, "observation line"]:
+    """What the card says of a test, as that is thought to be set up.
+
+    Args:
+        setup: what the diagnosis works with.
+    """
+    return predict(Hypothesis(setup.context, setup.base), np.zeros(len(setup.base)), setup.observations)
 
 
 def gap_of(setup: Setup, one: FittedFrfs, keep: Bool[np.ndarray, " observation"]) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,8 +15,13 @@ from flexmodal.diagnosis.lawfree.profile import Profile, State
 from flexmodal.errors import SingularResponse
 from flexmodal.structure.assembly import Assembly
 
+ROUGHLY = 3
+"""One geometry in so many is tried for a rough look; odd, so that a grid's every value is met."""
 
-def placed_best(profile: Profile, at: AtParameters, none: Unknown, most: int) -> list[State]:
+
+def placed_best(
+    profile: Profile, at: AtParameters, none: Unknown, most: int, *, roughly: bool = False
+) -> list[State]:
     """The last port, of one stiffness, where a constant does most; the best first, none without a model.
 
     Args:
@@ -23,11 +29,13 @@ def placed_best(profile: Profile, at: AtParameters, none: Unknown, most: int) ->
         at: parameters; the port's own are those of the middle of its prior.
         none: functions, that of the last port zero.
         most: how many.
+        roughly: whether only some of the places are tried.
     """
     model, last = profile.model, none.shape[1] - 1
     context, port = model.root.context, model.ports[-1]
-    places = port.kind.geometries(context, port.where)
-    everywhere = replace(profile, model=replace(model, ports=(*model.ports[:-1], _at_all(port, model))))
+    places = port.kind.geometries(context, port.where)[:: ROUGHLY if roughly else 1]
+    at_all = _at_all(port, places, model)
+    everywhere = replace(profile, model=replace(model, ports=(*model.ports[:-1], at_all)))
     there = AtParameters(everywhere.model, at.x)
     z = np.concatenate([none[:, :last], np.zeros((len(none), len(places), none.shape[2]))], axis=1)
     constants = [one for (one,) in port.kind.starts(context, port.where)]
@@ -47,10 +55,9 @@ def placed_best(profile: Profile, at: AtParameters, none: Unknown, most: int) ->
     return found
 
 
-def _at_all(port: Port, model: PortedModel) -> Port:
-    """The port at all its places together, with a function at each."""
+def _at_all(port: Port, places: Sequence[Mapping[str, float]], model: PortedModel) -> Port:
+    """The port at several places together, with a function at each."""
     kind, context = port.kind, model.root.context
-    places = kind.geometries(context, port.where)
 
     def patterns(assembly: Assembly, placement: Placement) -> Patterns:
         assert kind.patterns is not None

@@ -53,7 +53,7 @@ def begun(
         floor: relative model error.
         steps: most.
         roughly: whether constants are fitted for the robot as it is, which is re-tuned beside free
-            functions, or where a port's geometry matters from its best place alone.
+            functions, or where a port's geometry matters from the best of some places alone.
     """
     profile = Profile(model, floor)
     state = profile.judged(_constant(model, before, floor, steps, roughly=roughly))
@@ -101,7 +101,8 @@ def _constant(model: PortedModel, before: State | None, floor: float, steps: int
     places = [AtParameters(model, x) for x in starts]
     plain = min((pooled.with_functions(at, none) for at in places), key=lambda one: one.cost)
     if port.kind.geometries(model.root.context, port.where):
-        found = [one for at in places for one in placed_best(pooled, at, none, FOLLOWED_PLACES)]
+        most = 1 if roughly else FOLLOWED_PLACES
+        found = [one for at in places for one in placed_best(pooled, at, none, most, roughly=roughly)]
         found = [min((plain, *found), key=lambda one: one.cost)] if roughly else [plain, *found]
         return min((pooled.descended(one, steps) for one in found), key=lambda one: one.cost)
     started = []

@@ -7,7 +7,7 @@ steps at a large model error tell them apart, so that all are tried before any i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,8 +24,10 @@ from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
 
-MODEL_ERROR, STEPS, STARTS = 0.2, 5, 2
-"""At which they are compared, how far each is fitted, and from how many starts."""
+MODEL_ERROR, STARTS, MOST = 0.2, 2, 200
+"""At which they are compared, from how many starts each is fitted, and about how many are looked at."""
+FIRST, NEAR, FURTHER = 2, 3.0, 3
+"""Steps of each, up to how many times the least cost a law is fitted further, and by how many steps."""
 GAINS = 0.8
 """Part of what the best narrow law leaves that a wider one leaves at most, to be followed, as each takes long
 to be fitted closely. In four looked-at campaigns that had come to nothing otherwise the true law came first,
@@ -61,39 +63,57 @@ def every_law(
         x: coordinates of it to set out from.
         with_force: whether those that depend on the force of the blow are among them.
     """
-    seen = replace(seen_beside(setup, before), straight=True)
+    trials = _Trials(replace(seen_beside(setup, before), straight=True), before.hypothesis, x)
     able = [one for one in setup.effects if one.next_level is not None and (with_force or not one.by_force)]
     able = [one for one in able if not one.untestable(setup.context)]
     todo = [(effect, where) for effect in able for where in effect.places(setup.context)]
     todo = [(effect, where) for effect, where in todo if (effect.name, where) not in before.hypothesis.keys]
+    begun = [trials.begun(Level.anew(effect), where, {}) for effect, where in todo]
     found: list[Tried] = []
-    for number, (effect, where) in enumerate(todo):
+    for number, ((effect, where), some) in enumerate(zip(todo, begun, strict=True)):
         setup.advance("trying every law", number / len(todo))
-        found += _levels(seen, before.hypothesis, x, effect, where)
+        found += trials.levels(effect, where, some)
     return sorted(found, key=lambda one: one.cost)
 
 
-def _levels(
-    seen: Look, before: Hypothesis, x: Float[np.ndarray, " before"], effect: Effect, where: str
-) -> Iterator[Tried]:
-    """One law in one place, from the narrowest on; the robot as it was, whatever the one below made of it."""
-    context, below = before.context, None
-    level: Level | None = Level.anew(effect)
-    while level is not None:
-        placed, given = Placed(level.effect, where), level.starts
-        level = level.effect.next_level
-        if where not in placed.effect.places(context):
-            continue
-        hypothesis = before.and_also(placed)
-        own: dict[str, float] = {} if below is None else of_last(below.hypothesis, below.x)
-        tried = [hypothesis.start(placed, one, x) for one in given(context, where, own)]
-        some = seen.started(hypothesis, tried, MODEL_ERROR, STARTS)
-        fitted = [seen.fitted(one, MODEL_ERROR, STEPS) for one in some]
-        if not fitted:
-            return
-        reached = min(fitted, key=lambda one: one.cost)
-        yield Tried(reached, below)
-        below = reached
+class _Trials:
+    """Laws beside a model, fitted by a few steps, and by a few more where they are not far from the best."""
+
+    def __init__(self, seen: Look, before: Hypothesis, x: Float[np.ndarray, " before"]) -> None:
+        self.seen, self.before, self.x, self.least = seen, before, x, np.inf
+
+    def begun(self, level: Level, where: str, own: Mapping[str, float]) -> list[Candidate]:
+        """From a few of its starts, given the values of the level below."""
+        placed, context = Placed(level.effect, where), self.before.context
+        hypothesis = self.before.and_also(placed)
+        given = _spread(level.starts(context, where, own))
+        some = self.seen.started(
+            hypothesis, [hypothesis.start(placed, one, self.x) for one in given], MODEL_ERROR, STARTS
+        )
+        fitted = [self.seen.fitted(one, MODEL_ERROR, FIRST) for one in some]
+        self.least = min([self.least, *(one.cost for one in fitted)])
+        return fitted
+
+    def levels(self, effect: Effect, where: str, begun: list[Candidate]) -> Iterator[Tried]:
+        """One law in one place, from the narrowest on, which has begun; each beside the robot as it was."""
+        below, level = None, effect.next_level
+        while begun:
+            near = [one for one in begun if one.cost <= NEAR * self.least]
+            ended = [self.seen.fitted(one, MODEL_ERROR, FURTHER) for one in near] or begun
+            reached = min(ended, key=lambda one: one.cost)
+            yield Tried(reached, below)
+            below = reached
+            while level is not None and where not in level.effect.places(self.before.context):
+                level = level.effect.next_level
+            if level is None:
+                return
+            begun = self.begun(level, where, of_last(below.hypothesis, below.x))
+            level = level.effect.next_level
+
+
+def _spread(starts: Sequence[Mapping[str, float]]) -> Sequence[Mapping[str, float]]:
+    """About `MOST` of a grid's starts, so far apart that those kept have every value of its fastest turns."""
+    return starts[:: 2 * (len(starts) // (2 * MOST)) + 1]
 
 
 def worth_following(tried: Sequence[Tried]) -> list[Tried]:
@@ -115,22 +135,28 @@ def followed(
     tried: Sequence[Tried],
     set_out: SetOut,
     is_enough: Callable[[FittedFrfs], bool],
+    *,
+    anywhere: bool,
 ) -> list[FittedFrfs]:
     """Laws fitted closely, one place after the other until one is enough.
 
-    From where they have come to, and if that is not enough from all starts of their level on.
+    From where they have come to, and if that is not enough perhaps from all starts of their level on.
 
     Args:
         setup: what the diagnosis works with.
         tried: which, the best first.
         set_out: where else their fits may set out.
         is_enough: whether a fit leaves nothing.
+        anywhere: whether all starts are followed. Where more than one effect is missing none leaves nothing,
+            and what is come to so is near enough to look for the next one.
     """
     found: list[FittedFrfs] = []
     for one in tried:
         found += tried_closely(setup, one.reached.hypothesis, one.reached.x)
         if any(is_enough(each) for each in found):
             break
+        if not anywhere:
+            continue
         below = one.narrower
         narrow = [] if below is None else tried_closely(setup, below.hypothesis, below.x)
         found += [more for each in narrow for more in at_next_level(setup, each, set_out, is_enough)]

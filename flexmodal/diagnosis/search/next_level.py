@@ -23,6 +23,8 @@ ROUNDS: Rounds = ((0.2, 0, 40), (0.2, 8, 8), (0.1, 8, 5), (0.03, 8, 3))
 BESIDE_INTEGRATED: Rounds = ((0.2, 0, 8), (0.2, 8, 3), (0.1, 8, 2), (0.03, 8, 1))
 """The same for torques beside others that are integrated in time too: each of their steps takes long. Beside
 such torques one start alone is fitted closely."""
+SAME = 1e-3
+"""Relative difference of the costs of two fits below which they have ended in the same place."""
 
 
 def at_next_level(
@@ -87,7 +89,7 @@ def _followed(
     is_enough: Callable[[FittedFrfs], bool],
     rounds: Rounds,
 ) -> list[FittedFrfs]:
-    """The best of some starts, fitted closely; none after one that is enough."""
+    """The best of some starts, fitted closely; none after one that is enough or ends where another did."""
     todo = seen.started(hypothesis, tried, *rounds[0][::2])
     for number, (floor, steps, keep) in enumerate(rounds[1:]):
         setup.advance("fitting a wider law", number / len(rounds))
@@ -96,7 +98,8 @@ def _followed(
     for one in todo[:1] if has_law(hypothesis.without(hypothesis.keys[-1])) else todo:
         setup.advance("fitting a wider law", 1 - 1 / len(rounds))
         fitted = tried_closely(setup, hypothesis, one.x)
+        again = any(abs(one.cost / each.cost - 1) < SAME for one in fitted for each in found)
         found += fitted
-        if any(is_enough(each) for each in fitted):
+        if again or any(is_enough(each) for each in fitted):
             break
     return found

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.compare import disagreement, force_dependence, worst_point
-from flexmodal.diagnosis.disagreement.gaps import gap_of, gaps_of, left, over_noise
+from flexmodal.diagnosis.disagreement.gaps import as_believed, gap_of, gaps_of, left, over_noise
 from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.afresh import NEARLY
@@ -48,7 +48,7 @@ from flexmodal.diagnosis.selection.set_up_anew import is_set_up, nearest, seen_a
 from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_limit import cut_short
-from flexmodal.identification import gap, predict, uncertainty
+from flexmodal.identification import gap, uncertainty
 from flexmodal.identification.baselines import Baselines
 
 
@@ -70,7 +70,6 @@ class FrfData(FrfsByLook):
         self.effects, self.asked = setup.effects, setup.asked
         setup.advance("re-tuning the robot", 0.0)
         bare, zero = Hypothesis(setup.context, setup.base), np.zeros(len(setup.base))
-        self.believed = predict(bare, zero, setup.observations)
         self._root = fitted_closely(setup, bare, zero)
         self.force = reaches(force_dependence(setup.observations), FORCE, FORCE_MARGIN)
         """Whether FRFs change with the force of the blow."""
@@ -242,15 +241,16 @@ class FrfData(FrfsByLook):
             setup, (before, after) = with_everything(setup, [first, last])
             before, after = (fitted_to_everything(setup, one) for one in (before, after))
         every = setup.observations
-        gaps = gaps_of(setup, before, after, gap(every, self.believed).value)
+        gaps = gaps_of(setup, before, after, gap(every, as_believed(setup)).value)
         over = over_noise(setup, after)
         seen = every if again else setup.fitted
         sure = uncertainty(after.hypothesis.space, after.fitted.normal, seen).covariance
+        whole = first if setup is self.setup else before  # seen where the test is thought to be set up
         return Conclusion(
             before, after,
             replace(gaps, held_out_before=apart.held_out_before, held_out_after=apart.held_out_after),
             disagreement(every, before.predicted), disagreement(every, after.predicted), sure, over,
-            reached(over, left(setup, first, after), Answer.NO if after.hypothesis.by_force else self.force),
+            reached(over, left(setup, whole, after), Answer.NO if after.hypothesis.by_force else self.force),
             setup,
         )  # fmt: skip
 
@@ -288,6 +288,6 @@ class FrfData(FrfsByLook):
     def shown(self, conclusion: Conclusion[FittedFrfs]) -> dict[str, Any]:
         """The FRFs and what the models have for them."""
         before, after = conclusion.before.predicted, conclusion.after.predicted
-        told = {"believed": self.believed, "before": before, "after": after}
         seen = conclusion.setup or self.setup
+        told = {"believed": as_believed(seen), "before": before, "after": after}
         return {"frfs": seen.observations, "predicted": told, "moved": seen.moved}

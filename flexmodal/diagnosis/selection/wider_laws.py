@@ -56,7 +56,9 @@ class WiderLaws(SearchesBeside):
         x = before.x if several else set_out.before[0]
         given = SetOut([x], set_out.told)
         tried = every_law(self.setup, before, x, with_force=self.depends_on_force(before))
-        return best_of_each([*found, *followed(self.setup, worth_following(tried), given, self.is_enough)])
+        anywhere = look.explains or not several
+        wide = followed(self.setup, worth_following(tried), given, self.is_enough, anywhere=anywhere)
+        return best_of_each([*found, *wide])
 
     def at_next_levels(self, before: FittedFrfs, found: list[FittedFrfs], look: Findings) -> list[FittedFrfs]:
         """Wider laws too, where every effect in the place that explains everything leaves more by its law.

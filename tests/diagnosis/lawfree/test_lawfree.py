@@ -346,6 +346,13 @@ def test_the_best_places_of_a_rod_are_those_of_least_misfit(robot, where, reques
     misfits = [profile.misfit(one.residual) for one in found]
     assert misfits == sorted(misfits)
     assert misfits[-1] <= min(profile.misfit(one.residual) for one in every) * (1 + 1e-9)
+    rough = placed_best(profile, at, none, len(places), roughly=True)
+    assert len(rough) == 2 * len(places[::3])
+    assert misfits[0] <= profile.misfit(rough[0].residual) <= profile.misfit(rough[-1].residual)
+    tried = {tuple(one.x[model.geometry[-1]].tolist()) for one in rough}
+    assert [len({one[k] for one in tried}) for k in range(len(model.geometry[-1]))] == [
+        len({place[name] for place in places}) for name in places[0]
+    ]
 
 
 def test_what_is_eliminated_line_by_line_is_the_step_of_the_whole_system(root, observed):
