@@ -1,7 +1,7 @@
 """Every law at each of its levels: the right one is found where no narrow law and no look points to it."""
 
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, product
 from unittest.mock import Mock
 
 import numpy as np
@@ -150,13 +150,14 @@ def test_what_is_enough_ends_it(monkeypatch, enough, anywhere, fitted, widened):
 
 
 def test_a_grid_of_starts_is_thinned_so_that_every_value_of_its_numbers_is_met():
-    few, grid = [{"a": k} for k in range(300)], list(product(range(4), repeat=5))
+    names = "abcde"
+    few = [{"a": float(k)} for k in range(300)]
+    grid = [dict(zip(names, map(float, one), strict=True)) for one in product(range(4), repeat=5)]
     assert searching._spread(few) == few
     some = searching._spread(grid)
     assert 150 < len(some) < 300
-    assert [len({one[k] for one in some}) for k in range(5)] == [4] * 5
-    pairs = {one[k : k + 2] for one in some for k in range(4)}
-    assert len(pairs) == 16
+    assert [len({one[name] for one in some}) for name in names] == [4] * 5
+    assert len({(one[name], one[other]) for one in some for name, other in pairwise(names)}) == 16
 
 
 def test_what_is_far_behind_is_not_fitted_further(context, monkeypatch):

@@ -65,8 +65,7 @@ class Data(ToldData[M], ABC, Generic[M]):
         """Effects at several places at once, where one does not explain everything without a law.
 
         Args:
-            known: a model with effects that are sure already. Only what leaves nothing is better, or is sure
-                and has these effects and more.
+            known: with effects that are sure. Only what leaves nothing or is sure and has more is better.
 
         Returns:
             The best model; for each of its effects the same with it as the last, and what was tried in its
@@ -95,12 +94,11 @@ class Data(ToldData[M], ABC, Generic[M]):
     def at_first(self, before: M, number: int) -> list[M]:
         """A model, and what does best beside it before any is followed, to see anew how a test was set up.
 
+        Nothing where everything is exact, or nothing else can be seen.
+
         Args:
             before: the model.
             number: how many effects it has.
-
-        Returns:
-            Nothing where everything is exact, or nothing else can be seen.
         """
         return []
 
@@ -170,7 +168,7 @@ class Data(ToldData[M], ABC, Generic[M]):
         Args:
             before: the model without.
             after: the model with it.
-            number: how many effects were added before.
+            number: how many were added before.
         """
 
     @abstractmethod
@@ -180,6 +178,10 @@ class Data(ToldData[M], ABC, Generic[M]):
     def is_close(self, model: M) -> bool:
         """Whether clearly nothing is left to be explained."""
         return self.is_enough(model)
+
+    def is_slow(self, model: M) -> bool:
+        """Whether what is looked for beside a model takes several times as long as beside others."""
+        return False
 
     def is_over(self, model: M) -> bool:
         """Whether no further effect is looked for."""
@@ -289,7 +291,7 @@ class Data(ToldData[M], ABC, Generic[M]):
         """Of the coordinates of its hypothesis."""
 
     def alike(self, one: M, other: M) -> bool:
-        """Whether two models explain as much of what can be counted.
+        """Whether they explain as much of what can be counted.
 
         Args:
             one: a fitted model.

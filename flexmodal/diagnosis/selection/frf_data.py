@@ -47,6 +47,7 @@ from flexmodal.diagnosis.selection.in_its_stead import Refits
 from flexmodal.diagnosis.selection.set_up_anew import is_set_up, nearest, seen_anew, with_everything
 from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.time_domain.model import has_law
 from flexmodal.diagnosis.time_limit import cut_short
 from flexmodal.identification import gap, uncertainty
 from flexmodal.identification.baselines import Baselines
@@ -214,6 +215,10 @@ class FrfData(FrfsByLook):
     def is_close(self, model: FittedFrfs) -> bool:
         """Whether it is where no further effect hides in the noise."""
         return over_noise(self.setup, model) <= NOTHING_HIDDEN
+
+    def is_slow(self, model: FittedFrfs) -> bool:
+        """See `Data`: torques that are not linear are integrated in time."""
+        return has_law(model.hypothesis)
 
     def lacking(self, model: FittedFrfs) -> Mapping[int, float]:
         """See `Data`."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, Generic
 
 from flexmodal.diagnosis.outcome import Compared, Step
@@ -18,6 +19,7 @@ from flexmodal.diagnosis.selection.decision import (
     choice,
     rivals,
 )
+from flexmodal.diagnosis.selection.in_turn import linear_first
 from flexmodal.diagnosis.time_limit import TimeLimit
 
 
@@ -109,7 +111,12 @@ class Steps(Generic[M]):
         before = comparison.models[0]
         worth = [self.data.worth(before, one, number) for one in comparison.models]
         vouched = [k > 0 and self.data.vouches(one) for k, one in enumerate(comparison.models)]
-        return choice(comparison, self.data.asked, worth, vouched, self.data.plausible(comparison))
+        plausible = self.data.plausible(comparison)
+        found = choice(comparison, self.data.asked, worth, vouched, plausible)
+        if found.number is None or self.data.asked is not None or any(vouched):
+            return found
+        first = linear_first(comparison, found.number, worth, plausible, self.data.is_slow)
+        return replace(found, number=first)
 
     def _placed(self, others: Mapping[tuple[str, str], Sequence[M]]) -> None:
         """The steps to a model whose effects came together, each compared with what may be in its place."""
