@@ -68,10 +68,12 @@ def every_law(
     able = [one for one in able if not one.untestable(setup.context)]
     todo = [(effect, where) for effect in able for where in effect.places(setup.context)]
     todo = [(effect, where) for effect, where in todo if (effect.name, where) not in before.hypothesis.keys]
-    begun = [trials.begun(Level.anew(effect), where, {}) for effect, where in todo]
-    found: list[Tried] = []
+    begun, found = list[list[Candidate]](), list[Tried]()
+    for number, (effect, where) in enumerate(todo):
+        setup.advance("trying every law", 0.5 * number / len(todo))
+        begun.append(trials.begun(Level.anew(effect), where, {}))
     for number, ((effect, where), some) in enumerate(zip(todo, begun, strict=True)):
-        setup.advance("trying every law", number / len(todo))
+        setup.advance("trying every law", 0.5 + 0.5 * number / len(todo))
         found += trials.levels(effect, where, some)
     return sorted(found, key=lambda one: one.cost)
 

@@ -98,7 +98,7 @@ def _followed(
     for one in todo[:1] if has_law(hypothesis.without(hypothesis.keys[-1])) else todo:
         setup.advance("fitting a wider law", 1 - 1 / len(rounds))
         fitted = tried_closely(setup, hypothesis, one.x)
-        again = any(abs(one.cost / each.cost - 1) < SAME for one in fitted for each in found)
+        again = any(abs(one.cost - each.cost) < SAME * each.cost for one in fitted for each in found)
         found += fitted
         if again or any(is_enough(each) for each in fitted):
             break
