@@ -19,7 +19,7 @@ from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import seen_beside
 from flexmodal.diagnosis.search.close_fit import tried_closely
 from flexmodal.diagnosis.search.coarse import Candidate, Look
-from flexmodal.diagnosis.search.next_level import at_next_level, of_last
+from flexmodal.diagnosis.search.next_level import at_next_level, level_above, of_last
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.setup import Setup
@@ -98,19 +98,17 @@ class _Trials:
 
     def levels(self, effect: Effect, where: str, begun: list[Candidate]) -> Iterator[Tried]:
         """One law in one place, from the narrowest on, which has begun; each beside the robot as it was."""
-        below, level = None, effect.next_level
+        below, context = None, self.before.context
         while begun:
             near = [one for one in begun if one.cost <= NEAR * self.least]
             ended = [self.seen.fitted(one, MODEL_ERROR, FURTHER) for one in near] or begun
             reached = min(ended, key=lambda one: one.cost)
             yield Tried(reached, below)
             below = reached
-            while level is not None and where not in level.effect.places(self.before.context):
-                level = level.effect.next_level
+            level = level_above(effect, context, where)
             if level is None:
                 return
-            begun = self.begun(level, where, of_last(below.hypothesis, below.x))
-            level = level.effect.next_level
+            begun, effect = self.begun(level, where, of_last(below.hypothesis, below.x)), level.effect
 
 
 def _spread(starts: Sequence[Mapping[str, float]]) -> Sequence[Mapping[str, float]]:

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from jaxtyping import Float
 
+from flexmodal.diagnosis.effects.context import Context
+from flexmodal.diagnosis.effects.effect import Effect, Level
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import seen_beside
@@ -42,9 +44,7 @@ def at_next_level(
         is_enough: whether a fit leaves nothing, so that no other start is followed.
     """
     narrow = model.hypothesis.placed[-1]
-    level = narrow.effect.next_level
-    while level is not None and narrow.where not in level.effect.places(setup.context):
-        level = level.effect.next_level
+    level = level_above(narrow.effect, setup.context, narrow.where)
     if level is None:
         return []
     hypothesis = model.hypothesis.without(narrow.key).and_also(Placed(level.effect, narrow.where))
@@ -66,6 +66,20 @@ def at_next_level(
         return found
     nearest = min(found, key=lambda one: one.cost)
     return [*found, *at_next_level(setup, nearest, set_out, is_enough)]
+
+
+def level_above(effect: Effect, context: Context, where: str) -> Level | None:
+    """The next level of an effect's law that may be in its place; None if there is none.
+
+    Args:
+        effect: at its present level.
+        context: of the diagnosis.
+        where: its place.
+    """
+    level = effect.next_level
+    while level is not None and where not in level.effect.places(context):
+        level = level.effect.next_level
+    return level
 
 
 def of_last(hypothesis: Hypothesis, x: Float[np.ndarray, " parameter"]) -> dict[str, float]:

@@ -180,7 +180,7 @@ class Data(ToldData[M], ABC, Generic[M]):
         return self.is_enough(model)
 
     def is_slow(self, model: M) -> bool:
-        """Whether what is looked for beside a model takes several times as long as beside others."""
+        """Whether what is looked for beside a model takes much longer than beside others."""
         return False
 
     def is_over(self, model: M) -> bool:

@@ -22,7 +22,7 @@ def linear_first(
 ) -> int:
     """The best linear effect in place of one whose torque is integrated, if it gains about as much.
 
-    Whatever is looked for beside such a torque takes several times as long, and where it does not explain
+    Whatever is looked for beside such a torque takes much longer, and where it does not explain
     everything others have to be. It is still there to be found beside the linear one.
 
     Args:
