@@ -135,6 +135,7 @@ jaxtyping.jaxtyped = jaxtyped
 @pytest.hookimpl(tryfirst=True)
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Before all tests, where several processes share them: see `compiled_first.py`."""
+    os.environ.setdefault("FLEXMODAL_WORKERS", "1")  # for a diagnosis, as the tests run side by side
     config = session.config
     of_all = config.args_source is pytest.Config.ArgsSource.TESTPATHS
     if of_all and config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):

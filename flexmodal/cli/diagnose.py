@@ -52,6 +52,13 @@ if TYPE_CHECKING:
     metavar="SECONDS",
     help="Stop looking after so long, and say what was found by then.  [default: as long as it takes]",
 )
+@click.option(
+    "--workers",
+    type=click.IntRange(1, 256),
+    metavar="NUMBER",
+    help="Processes that it works on, on Linux.  "
+    "[default: FLEXMODAL_WORKERS, or as many as cores, at most 8]",
+)
 @page_option("the arm step by step as well,")
 @click.option("--show", is_flag=True, help="The arm step by step in the browser.")
 @force_option
@@ -67,6 +74,7 @@ def diagnose(
     trust: tuple[str, ...],
     seed: int,
     within: float | None,
+    workers: int | None,
     page: Path | None,
     show: bool,
     force: bool,
@@ -99,6 +107,7 @@ def diagnose(
             trust=trusted,
             seed=seed,
             within=within,
+            workers=workers,
             advance=advance,
         )
         advance("writing the report", 0.0)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 
+from flexmodal.diagnosis.parallel.workers import is_helper
 from flexmodal.errors import Fault, InvalidRequest
 
 FOR_EFFECTS = 0.85
@@ -68,7 +69,8 @@ class TimeLimit:
 
         def told(doing: str, part: float) -> None:
             self.check()
-            advance(doing, part)
+            if not is_helper():  # whose things are told of where their results are awaited
+                advance(doing, part)
 
         return told
 

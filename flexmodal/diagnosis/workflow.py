@@ -9,6 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from flexmodal.campaign import Campaign
 from flexmodal.diagnosis.outcome import Diagnosis
+from flexmodal.diagnosis.parallel.workers import working_on
 from flexmodal.diagnosis.result import diagnosis_of
 from flexmodal.diagnosis.selection.asked import asked_of
 from flexmodal.diagnosis.selection.beside_frfs import ModesBeside
@@ -42,6 +43,7 @@ def diagnose(
     trust: Mapping[str, float] | None = None,
     seed: int = 0,
     within: float | None = None,
+    workers: int | None = None,
     advance: Advance = lambda doing, part: None,
 ) -> Diagnosis:
     """Find what is missing between a robot and a campaign of hammer tests on it.
@@ -62,16 +64,22 @@ def diagnose(
         within: seconds after which it stops looking and says what it has found by then, which another
             computer may not have; by default it takes as long as it takes. The first look, without a law, is
             not cut off.
+        workers: processes that it works on, which changes no result but for rounding; by default as many as
+            the environment variable FLEXMODAL_WORKERS says, or else as there are cores, at most 8. On other
+            systems than Linux it is always one.
         advance: called with what is being done and the part of it that is done.
 
     Raises:
         InvalidRequest: no data, unknown effects or postures, a campaign that does not belong to the robot,
-            no time.
+            no time, no such number of workers.
     """
     limit = limit_of(within)
     advance = limit.watching(advance)
     asked, chosen, warnings = asked_of(effects), source_of(campaign, source), doubled(campaign, source)
-    with threadpool_limits(1):  # matrices this small only wait for the threads of a BLAS
+    with (
+        working_on(workers, limit.check),
+        threadpool_limits(1),
+    ):  # matrices this small only wait for the threads of a BLAS
         if chosen != "modes":
             setup = set_up_closely(prepare(campaign, robot, hold_out, asked, trust, seed, advance))
             modes = ModesBeside(modes_of_table(campaign)) if chosen == "both" else None

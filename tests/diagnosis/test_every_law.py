@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
-from flexmodal.diagnosis.effects.effect import Level
 from flexmodal.diagnosis.effects.held_tool import HELD_TOOL, stiffness_of
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.result import Findings
@@ -176,10 +175,7 @@ def test_what_is_far_behind_is_not_fitted_further(context):
     trials = searching._Trials(seen, Hypothesis(context, robot_space(context.robot)), np.zeros(0))
     narrow = replace(known()["joint_coupling"], next_level=None), WHERE
     link = replace(known()["link_flexibility"], next_level=None), "link_2"
-    begun = [trials.begun(Level.anew(effect), where, {}) for effect, where in (link, narrow)]
-    found = [
-        one for law, some in zip((link, narrow), begun, strict=True) for one in trials.levels(*law, some)
-    ]
+    found = list(trials.every([link, narrow], lambda doing, part: None))
     assert [one.cost for one in found] == [90.0, 301.0]
     first, further = searching.FIRST, searching.FURTHER
     assert steps == [("link_flexibility", first), ("joint_coupling", first), ("link_flexibility", further)]

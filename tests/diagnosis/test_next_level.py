@@ -76,11 +76,11 @@ def test_fewer_starts_are_followed_beside_torques_that_are_integrated(
     root = Hypothesis(context, robot_space(context.robot))
     before = root.and_also(Placed(catalogue()[beside[0]], beside[1])) if beside else root
     narrow = before.and_also(Placed(FOUNDATION, "base"))
-    x, steps = np.zeros(len(narrow.space)), []
+    x, taken = np.zeros(len(narrow.space)), []
 
-    def fitted(one, floor, most):
-        steps.append(most)
-        return Candidate(one.hypothesis, one.x, float(len(steps)))
+    def fitted(one, floor, steps):
+        taken.append(steps)
+        return Candidate(one.hypothesis, one.x, float(len(taken)))
 
     look = Mock(spec=Look, fitted=fitted, integrates=lambda hypothesis: bool(beside) and not straight)
     look.started = lambda hypothesis, starts, floor, most: (
@@ -94,7 +94,7 @@ def test_fewer_starts_are_followed_beside_torques_that_are_integrated(
     none = np.zeros(len(before.space))
     assert at_next_level(setup, model, Mock(spec=SetOut, before=[none], told=lambda *given: []), Mock()) == []
     assert close.call_count == followed
-    assert len(steps) == coarse
+    assert len(taken) == coarse
 
 
 @pytest.mark.parametrize(

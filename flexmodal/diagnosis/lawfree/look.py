@@ -22,6 +22,7 @@ from flexmodal.diagnosis.lawfree.ported_fit import begun, finished, mended
 from flexmodal.diagnosis.lawfree.records import endless, of_first_blow
 from flexmodal.diagnosis.lawfree.related import parts
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting, Start, carried_over
+from flexmodal.diagnosis.parallel.side_by_side import side_by_side
 from flexmodal.diagnosis.search.coarse import Look, look_at
 from flexmodal.identification import Observations
 
@@ -111,17 +112,19 @@ class Field(PortFits):
             tried = self._torques_that_lead(tried, before)
         found, kept, part = [], [], 1.0 if ports is not None else 0.2
         roughly = ports is None and bool(self.root.placed)
-        for number, port in enumerate(tried, start=1):
-            found.append(self.sighted((port,), before, roughly=roughly))
+        each = side_by_side(lambda port: self.sighted((port,), before, roughly=roughly), tried)
+        for number, one in enumerate(each, start=1):
+            found.append(one)
             advance(part * number / len(tried))
         if ports is None:
             # What depends on force only a torque explains, or a reading; what is left beside effects may not.
             told = not self.root.placed and any(one.judged <= SOUND for one in found)
             others = [port for port in self.ports if port.kind.reads is not None or not told]
             kept = self._screened(others, before, lambda part: advance(0.2 + 0.4 * part))
-        for number, (port, start, _) in enumerate(kept):
-            found.append(self.sighted((port,), before, start, roughly=True))
-            advance(0.6 + 0.4 * (number + 1) / len(kept))
+        each = side_by_side(lambda one: self.sighted((one[0],), before, one[1], roughly=True), kept)
+        for number, one in enumerate(each, start=1):
+            found.append(one)
+            advance(0.6 + 0.4 * number / len(kept))
         if found and ports is None:
             found = self._ended(found)
             best = min(found, key=lambda one: one.judged)
@@ -147,7 +150,8 @@ class Field(PortFits):
         if not self.rare or self._leads_on(better, before):
             return better
         more = self._screened(self.rare, before, lambda part: None)
-        rare = [self.sighted((port,), before, start) for port, start, misfit in more if misfit < least]
+        leading = [one for one in more if one[2] < least]
+        rare = list(side_by_side(lambda one: self.sighted((one[0],), before, one[1]), leading))
         return again.better([*better, *rare], {one.port.key for one in better})
 
     def _ended(self, found: Sequence[Sighting]) -> list[Sighting]:
@@ -155,7 +159,9 @@ class Field(PortFits):
         least = min(one.judged for one in found)
         if least > self._most:
             return list(found)
-        return [self.ended(one) if one.judged <= NEAR * least else one for one in found]
+        near = [one for one in found if one.judged <= NEAR * least]
+        ended = dict(zip(near, side_by_side(self.ended, near), strict=True))
+        return [ended.get(one, one) for one in found]
 
     @property
     def _most(self) -> float:
@@ -175,7 +181,8 @@ class Field(PortFits):
         """Narrower ports that one holds, but those that are known or there already."""
         begins = [pair for pair in parts(one, self.root.context) if pair[0].key not in known]
         new = self._possible([port for port, _ in begins], before)
-        return [self.sighted((port,), before, start) for port, start in begins if port in new]
+        some = [one for one in begins if one[0] in new]
+        return list(side_by_side(lambda one: self.sighted((one[0],), before, one[1]), some))
 
     def _between(self, one: Sighting, before: Sighting | None, known: set[tuple[str, str]]) -> list[Sighting]:
         """The link between two joints whose coupling explains what is missing, if it was not tried well.
@@ -186,7 +193,8 @@ class Field(PortFits):
             return []
         keys = between(self.root.context, one.port.where) - known
         links = [port for port in self.ports if port.key in keys]
-        return [self.sighted((port,), before) for port in self._possible(links, before)]
+        possible = self._possible(links, before)
+        return list(side_by_side(lambda port: self.sighted((port,), before), possible))
 
     def _screened(
         self,
@@ -197,16 +205,17 @@ class Field(PortFits):
         """Those of some ports that go on, after a look at a part of the lines, where that ended, and how."""
         begins: list[tuple[Port, screening.Fit]] = []
         possible = self._possible(ports, before)
-        for number, port in enumerate(possible):
-            begins.append((port, self._begun(port, before, roughly=True)))
-            advance(0.7 * (number + 1) / len(possible))
+        roughly = side_by_side(lambda port: self._begun(port, before, roughly=True), possible)
+        for number, (port, fit) in enumerate(zip(possible, roughly, strict=True), start=1):
+            begins.append((port, fit))
+            advance(0.7 * number / len(possible))
         begins = screening.with_places(
             begins, self.root.context, lambda port: self._begun(port, before, roughly=False)
         )
         without = self._unexplained if before is None else None
         first, ends, going = [], {}, screening.near(begins, without)
-        for number, (port, fit) in enumerate(going):
-            found = finished(*fit, floors=self._floors[1:], steps=screening.STEPS)
+        further = side_by_side(self._screened_further, [fit for _, fit in going])
+        for number, ((port, _), found) in enumerate(zip(going, further, strict=True)):
             misfit = screening.misfit_of(found)
             first.append((misfit, port))
             ends[port.key] = (found[1].x, screening.on_all(found[1].z, len(self.seen.lines))), misfit
@@ -243,10 +252,16 @@ class Field(PortFits):
         """The few that do best by a look at some postures and lines: each has many functions."""
         if len(torques) <= screening.TORQUES:
             return torques
-        begins = [mended(*self._begun(port, before, roughly=True)) for port in torques]
-        ends = [finished(*one, floors=self._floors[1:], steps=screening.STEPS) for one in begins]
-        misfit = [screening.misfit_of(one) for one in ends]
+
+        def ended(port: Port) -> screening.Fit:
+            return self._screened_further(mended(*self._begun(port, before, roughly=True)))
+
+        misfit = [screening.misfit_of(one) for one in side_by_side(ended, torques)]
         return [torques[k] for k in np.argsort(misfit, kind="stable")[: screening.TORQUES]]
+
+    def _screened_further(self, fit: screening.Fit) -> screening.Fit:
+        """A first fit to a part of the data at the model errors that follow."""
+        return finished(*fit, floors=self._floors[1:], steps=screening.STEPS)
 
     def _begun(self, port: Port, before: Sighting | None, *, roughly: bool) -> screening.Fit:
         """A port's first fit to a part of the data."""

@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.effect import Effect, Level
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.parallel.side_by_side import side_by_side
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import seen_beside
 from flexmodal.diagnosis.search.close_fit import tried_closely
@@ -22,7 +23,7 @@ from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.next_level import at_next_level, level_above, of_last
 from flexmodal.diagnosis.search.set_out import SetOut
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.setup import Setup
+from flexmodal.diagnosis.setup import Advance, Setup
 
 MODEL_ERROR, STARTS, MOST = 0.2, 2, 200
 """At which they are compared, from how many starts each is fitted, and about how many are looked at."""
@@ -68,14 +69,17 @@ def every_law(
     able = [one for one in able if not one.untestable(setup.context)]
     todo = [(effect, where) for effect in able for where in effect.places(setup.context)]
     todo = [(effect, where) for effect, where in todo if (effect.name, where) not in before.hypothesis.keys]
-    begun, found = list[list[Candidate]](), list[Tried]()
-    for number, (effect, where) in enumerate(todo):
-        setup.advance("trying every law", 0.5 * number / len(todo))
-        begun.append(trials.begun(Level.anew(effect), where, {}))
-    for number, ((effect, where), some) in enumerate(zip(todo, begun, strict=True)):
-        setup.advance("trying every law", 0.5 + 0.5 * number / len(todo))
-        found += trials.levels(effect, where, some)
-    return sorted(found, key=lambda one: one.cost)
+    return sorted(trials.every(todo, setup.advance), key=lambda one: one.cost)
+
+
+@dataclass(frozen=True, eq=False)
+class _Turn:
+    """A law at one of its levels in its place, to be tried."""
+
+    level: Level
+    where: str
+    narrower: Candidate | None = None
+    """With the law one level below."""
 
 
 class _Trials:
@@ -84,31 +88,40 @@ class _Trials:
     def __init__(self, seen: Look, before: Hypothesis, x: Float[np.ndarray, " before"]) -> None:
         self.seen, self.before, self.x, self.least = seen, before, x, np.inf
 
-    def begun(self, level: Level, where: str, own: Mapping[str, float]) -> list[Candidate]:
+    def every(self, laws: Sequence[tuple[Effect, str]], advance: Advance) -> Iterator[Tried]:
+        """Laws in their places, from the narrowest level on, each beside the robot as it was."""
+        turns, done = [_Turn(Level.anew(effect), where) for effect, where in laws], 0.0
+        while turns:
+            begun = list[list[Candidate]]()
+            for some in side_by_side(self.begun, turns):
+                begun.append(some)
+                advance("trying every law", done + 0.5 * (1 - done) * len(begun) / len(turns))
+            self.least = min([self.least, *(one.cost for some in begun for one in some)])
+            done = done + 0.5 * (1 - done)
+            there = [(turn, some) for turn, some in zip(turns, begun, strict=True) if some]
+            ended = side_by_side(self.furthest, [some for _, some in there])
+            turns = []
+            for (turn, _), reached in zip(there, ended, strict=True):
+                yield Tried(reached, turn.narrower)
+                level = level_above(turn.level.effect, self.before.context, turn.where)
+                turns += [] if level is None else [_Turn(level, turn.where, reached)]
+
+    def begun(self, turn: _Turn) -> list[Candidate]:
         """From a few of its starts, given the values of the level below."""
-        placed, context = Placed(level.effect, where), self.before.context
+        placed, context, below = Placed(turn.level.effect, turn.where), self.before.context, turn.narrower
         hypothesis = self.before.and_also(placed)
-        given = _spread(level.starts(context, where, own))
+        own = {} if below is None else of_last(below.hypothesis, below.x)
+        given = _spread(turn.level.starts(context, turn.where, own))
         some = self.seen.started(
             hypothesis, [hypothesis.start(placed, one, self.x) for one in given], MODEL_ERROR, STARTS
         )
-        fitted = [self.seen.fitted(one, MODEL_ERROR, FIRST) for one in some]
-        self.least = min([self.least, *(one.cost for one in fitted)])
-        return fitted
+        return [self.seen.fitted(one, MODEL_ERROR, FIRST) for one in some]
 
-    def levels(self, effect: Effect, where: str, begun: list[Candidate]) -> Iterator[Tried]:
-        """One law in one place, from the narrowest on, which has begun; each beside the robot as it was."""
-        below, context = None, self.before.context
-        while begun:
-            near = [one for one in begun if one.cost <= NEAR * self.least]
-            ended = [self.seen.fitted(one, MODEL_ERROR, FURTHER) for one in near] or begun
-            reached = min(ended, key=lambda one: one.cost)
-            yield Tried(reached, below)
-            below = reached
-            level = level_above(effect, context, where)
-            if level is None:
-                return
-            begun, effect = self.begun(level, where, of_last(below.hypothesis, below.x)), level.effect
+    def furthest(self, begun: Sequence[Candidate]) -> Candidate:
+        """The best of some starts, those fitted further that are not far from the best of all."""
+        near = [one for one in begun if one.cost <= NEAR * self.least]
+        ended = [self.seen.fitted(one, MODEL_ERROR, FURTHER) for one in near] or begun
+        return min(ended, key=lambda one: one.cost)
 
 
 def _spread(starts: Sequence[Mapping[str, float]]) -> Sequence[Mapping[str, float]]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
+from flexmodal.diagnosis.parallel.side_by_side import side_by_side
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import both_beside
 from flexmodal.diagnosis.search.close_fit import FAR_OFF, tried_closely
@@ -74,7 +75,8 @@ def explanations(
     looked = _looked_at(setup, finalists, enough, lambda part: advance(0.6 + 0.3 * part))
     looked.sort(key=lambda one: one.cost)
     if one_is_enough and looked and over_noise(setup, looked[0]) > enough:
-        looked = [_elsewhere(setup, seen, one, set_out) if k < AGAIN else one for k, one in enumerate(looked)]
+        again = side_by_side(lambda one: _elsewhere(setup, seen, one, set_out), looked[:AGAIN])
+        looked = [*again, *looked[AGAIN:]]
         looked.sort(key=lambda one: one.cost)
     if looked:
         found = simpler(looked[0].hypothesis, looked[0].fitted.x, setup.effects, seen)
@@ -111,9 +113,10 @@ def from_each_start(
         seen = integrated if placed.effect.by_force else plain
         some = seen.started(hypothesis, tried, FIRST_FLOOR, followed)
         near = come_nearer(some, seen) if has_law(hypothesis) else some
-        for number, one in enumerate(near):
+        tried_each = side_by_side(lambda one: tried_closely(setup, one.hypothesis, one.x), near)
+        for number in range(len(near)):
             setup.advance("fitting where a look points", number / len(near))
-            fitted = tried_closely(setup, hypothesis, one.x)
+            fitted = next(tried_each)
             found += fitted
             if any(is_enough(model) for model in fitted):
                 break
@@ -142,19 +145,28 @@ def _kinds(effects: Sequence[Effect], *, with_force: bool) -> list[tuple[list[Ef
 def _looked_at(
     setup: Setup, finalists: Sequence[Candidate], enough: float, advance: Callable[[float], None]
 ) -> list[FittedFrfs]:
-    """Candidates fitted closely, those that are far behind with a few steps."""
+    """Candidates fitted closely, those that are far behind with a few steps.
+
+    How far that is depends on whether one of those that are near is enough.
+    """
+    least = min((one.cost for one in finalists), default=0.0)
+    near = [one.cost <= BEHIND * least for one in finalists]
+
+    def fitted(one: tuple[Candidate, bool]) -> list[FittedFrfs]:
+        candidate, closely = one
+        if closely:
+            return fitted_believably(setup, candidate)
+        return tried_closely(setup, candidate.hypothesis, candidate.x, near=True, steps=A_FEW)
+
     looked: list[FittedFrfs] = []
-    least, far = min((one.cost for one in finalists), default=0.0), FAR_BEHIND
-    for number, one in enumerate(finalists, start=1):
-        behind = one.cost > far * least
-        looked += (
-            tried_closely(setup, one.hypothesis, one.x, near=True, steps=A_FEW)
-            if behind
-            else fitted_believably(setup, one)
-        )
-        if looked and over_noise(setup, looked[-1]) <= enough:
+    far = FAR_BEHIND
+    for first in (True, False):
+        some = [one for one, is_near in zip(finalists, near, strict=True) if is_near is first]
+        for found in side_by_side(fitted, [(one, one.cost <= far * least) for one in some]):
+            looked += found
+            advance(len(looked) / len(finalists))
+        if any(over_noise(setup, one) <= enough for one in looked):
             far = BEHIND
-        advance(number / len(finalists))
     return looked
 
 

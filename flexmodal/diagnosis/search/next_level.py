@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
@@ -10,6 +11,7 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.parallel.side_by_side import side_by_side
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import seen_beside
 from flexmodal.diagnosis.search.close_fit import tried_closely
@@ -107,11 +109,14 @@ def _followed(
     todo = seen.started(hypothesis, tried, *rounds[0][::2])
     for number, (floor, steps, keep) in enumerate(rounds[1:]):
         setup.advance("fitting a wider law", number / len(rounds))
-        todo = sorted((seen.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
+        nearer = side_by_side(partial(seen.fitted, floor=floor, steps=steps), todo)
+        todo = sorted(nearer, key=lambda one: one.cost)[:keep]
     found: list[FittedFrfs] = []
-    for one in todo[:1] if has_law(hypothesis.without(hypothesis.keys[-1])) else todo:
+    todo = todo[:1] if has_law(hypothesis.without(hypothesis.keys[-1])) else todo
+    closely = side_by_side(lambda one: tried_closely(setup, hypothesis, one.x), todo)
+    for _ in todo:
         setup.advance("fitting a wider law", 1 - 1 / len(rounds))
-        fitted = tried_closely(setup, hypothesis, one.x)
+        fitted = next(closely)
         again = any(abs(one.cost - each.cost) < SAME * each.cost for one in fitted for each in found)
         found += fitted
         if again or any(is_enough(each) for each in fitted):

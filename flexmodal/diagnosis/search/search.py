@@ -12,12 +12,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.parallel.side_by_side import side_by_side
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.set_out import SetOut
@@ -59,18 +61,16 @@ def candidates(
         look: the coarse look.
         allowed: names and places that are tried.
     """
-    found = []
-    for effect in effects:
-        if effect.untestable(root.context):
-            continue
-        for where in effect.places(root.context):
-            if (effect.name, where) in root.keys or not allowed(effect.name, where):
-                continue
-            placed = Placed(effect, where)
-            hypothesis = root.and_also(placed)
-            for tried in set_out.starts(hypothesis):
-                found += look.started(hypothesis, tried, ROUNDS[0][0], STARTS)
-    return found
+    able = [effect for effect in effects if not effect.untestable(root.context)]
+    todo = [Placed(effect, where) for effect in able for where in effect.places(root.context)]
+
+    def begun(placed: Placed) -> list[Candidate]:
+        hypothesis = root.and_also(placed)
+        every = set_out.starts(hypothesis)
+        return [one for tried in every for one in look.started(hypothesis, tried, ROUNDS[0][0], STARTS)]
+
+    todo = [one for one in todo if one.key not in root.keys and allowed(*one.key)]
+    return [one for found in side_by_side(begun, todo) for one in found]
 
 
 def narrowed(
@@ -97,9 +97,10 @@ def narrowed(
     first = todo[0].key if slow else None
     for round_number, (floor, steps, keep) in enumerate(rounds):
         done = []
-        for number, one in enumerate(todo):
-            done.append(look.fitted(one, floor, steps))
-            advance((round_number + (number + 1) / len(todo)) / len(rounds))
+        fitted = side_by_side(partial(look.fitted, floor=floor, steps=steps), todo)
+        for number, one in enumerate(fitted, start=1):
+            done.append(one)
+            advance((round_number + number / len(todo)) / len(rounds))
         todo = distinct(done)
         if round_number + 1 == len(rounds):
             todo = varied(todo)
@@ -138,7 +139,8 @@ def come_nearer(found: Sequence[Candidate], look: Look) -> list[Candidate]:
         look: the coarse look.
     """
     for floor, steps, keep in INTEGRATED_ROUNDS:
-        found = sorted((look.fitted(one, floor, steps) for one in found), key=lambda one: one.cost)[:keep]
+        fitted = side_by_side(partial(look.fitted, floor=floor, steps=steps), found)
+        found = sorted(fitted, key=lambda one: one.cost)[:keep]
     return list(found)
 
 
@@ -162,7 +164,8 @@ def restarted(
     todo = look.started(hypothesis, starts, RESTARTS[0][0], TRIED)
     todo += [Candidate(hypothesis, one, np.inf) for one in _aside(hypothesis, x)]
     for floor, steps, keep in RESTARTS:
-        todo = sorted((look.fitted(one, floor, steps) for one in todo), key=lambda one: one.cost)[:keep]
+        fitted = side_by_side(partial(look.fitted, floor=floor, steps=steps), todo)
+        todo = sorted(fitted, key=lambda one: one.cost)[:keep]
     return todo[0]
 
 

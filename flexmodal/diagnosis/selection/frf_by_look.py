@@ -179,6 +179,7 @@ class FrfsByLook(Data[FittedFrfs]):
         if len(keys) < 2 or self.lacking(model) or share < LARGER_PART:
             return {}
         with suppress(OutOfTime):  # those that were asked for are sure nevertheless
+            self._refits.without_each(model, keys)
             for number, key in enumerate(keys):
                 self.setup.advance("asking which effects are sure", number / len(keys))
                 sure[key] = self.surely(model, key)

@@ -15,10 +15,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
 from flexmodal.diagnosis.effects import Effect
+from flexmodal.diagnosis.parallel.side_by_side import side_by_side
 from flexmodal.diagnosis.search.close_fit import fitted_closely, tried_closely
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.confidence import ALONE, PIECES, figures_of, probabilities
@@ -57,14 +59,19 @@ class Refits:
             model: with the effect.
             key: its name and place.
         """
+        return self.without_each(model, [key])[0]
+
+    def without_each(self, model: FittedFrfs, keys: Sequence[Key]) -> list[FittedFrfs]:
+        """The same without one and the other of some of its effects.
+
+        Args:
+            model: with the effects.
+            keys: their names and places.
+        """
         self._of(model)
-        if key not in self._less:
-            prefix = "{}@{}.".format(*key)
-            kept = [not name.startswith(prefix) for name in model.hypothesis.space.names]
-            less, start = model.hypothesis.without(key), model.x[np.array(kept)]
-            found = tried_closely(self.setup, less, start)
-            self._less[key] = found[0] if found else fitted_closely(self.setup, less, np.zeros(len(start)))
-        return self._less[key]
+        new = [key for key in keys if key not in self._less]
+        self._less |= zip(new, side_by_side(partial(without, self.setup, model), new), strict=True)
+        return [self._less[key] for key in keys]
 
     def instead(self, model: FittedFrfs, key: Key, others: Sequence[FittedFrfs]) -> list[FittedFrfs]:
         """The model with other effects in place of one, fitted again.
@@ -74,20 +81,42 @@ class Refits:
             key: its name and place.
             others: models whose last effects are put in its place.
         """
+        return self.instead_of_each(model, [(key, other) for other in others])
+
+    def instead_of_each(self, model: FittedFrfs, pairs: Sequence[tuple[Key, FittedFrfs]]) -> list[FittedFrfs]:
+        """The same with each of some effects in place of one.
+
+        Args:
+            model: with effects.
+            pairs: name and place of the one, and a model whose last effect is put in its place.
+        """
         self._of(model)
-        found = []
-        for other in others:
-            law = other.hypothesis.placed[-1]
-            told = key, law.effect, law.where
-            if told not in self._instead:
-                self._instead[told] = in_its_stead(self.setup, model, key, other)
-            found += self._instead[told]
-        return found
+        laws = [(key, other.hypothesis.placed[-1]) for key, other in pairs]
+        told = [(key, law.effect, law.where) for key, law in laws]
+        new = dict((one, pair) for one, pair in zip(told, pairs, strict=True) if one not in self._instead)
+        fitted = side_by_side(lambda pair: in_its_stead(self.setup, model, *pair), new.values())
+        self._instead |= zip(new, fitted, strict=True)
+        return [found for one in told for found in self._instead[one]]
 
     def _of(self, model: FittedFrfs) -> None:
         """What is known of another model goes."""
         if model is not self._model:
             self._model, self._less, self._instead = model, {}, {}
+
+
+def without(setup: Setup, model: FittedFrfs, key: Key) -> FittedFrfs:
+    """A model without one of its effects, fitted again; from what was believed where that cannot be.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: with the effect.
+        key: its name and place.
+    """
+    prefix = "{}@{}.".format(*key)
+    kept = [not name.startswith(prefix) for name in model.hypothesis.space.names]
+    less, start = model.hypothesis.without(key), model.x[np.array(kept)]
+    found = tried_closely(setup, less, start)
+    return found[0] if found else fitted_closely(setup, less, np.zeros(len(start)))
 
 
 def in_its_stead(setup: Setup, model: FittedFrfs, key: Key, other: FittedFrfs) -> list[FittedFrfs]:

@@ -16,6 +16,7 @@ from functools import cache, cached_property
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
+from flexmodal.diagnosis.parallel.workers import free_cores
 from flexmodal.diagnosis.time_domain import kernel, law_kernel, numpy_form, settle_kernel
 from flexmodal.diagnosis.time_domain.kernel import LANES
 from flexmodal.diagnosis.time_domain.law import FRICTION, SLOW, Law
@@ -23,7 +24,7 @@ from flexmodal.diagnosis.time_domain.propagation import Propagation, propagated,
 from flexmodal.diagnosis.time_domain.pulse import Pulse
 from flexmodal.diagnosis.time_domain.spectrum import WHOLE, spectrum
 from flexmodal.frf.kernels.compiled import Kernel, together
-from flexmodal.frf.kernels.route import has_numba
+from flexmodal.frf.kernels.route import has_numba, in_parts
 from flexmodal.frf.kernels.worth import is_worth_it
 from flexmodal.structure.structure import Axis, Structure
 
@@ -160,9 +161,18 @@ def torques(
         return np.ascontiguousarray(np.moveaxis(padded.reshape(tiles, lanes, *padded.shape[1:]), 1, -1))
 
     gain = np.einsum("kli,kmi->klm", rows, held)
-    systems = (tiled(one[of]) for one in (turn, cross, carried, held, rows, gain))
+    systems = [tiled(one[of]) for one in (turn, cross, carried, held, rows, gain)]
     kinds = np.array([law.kind for law in struck[0].laws])
-    loop(*systems, kinds, tiled(_parameters(struck, h)[of]), tiled(push), torque, last)
+    laws_of_blows, pushes = tiled(_parameters(struck, h)[of]), tiled(push)
+
+    def some(part: slice) -> None:
+        loop(
+            *(one[part] for one in systems),
+            kinds,
+            *(one[part] for one in (laws_of_blows, pushes, torque, last)),
+        )
+
+    in_parts(tiles, min(free_cores(), tiles), some)
     last = np.moveaxis(last, 1, 2).reshape(tiles * lanes, -1)[: len(blows)]
     return (
         force,

@@ -25,6 +25,13 @@ _stored: dict[Hashable, bool] = {}
 _stored_at_first: dict[Hashable, bool] = {}
 """The same, for work that is not counted."""
 
+_counting = [True]
+
+
+def stop_counting() -> None:
+    """In a process that ends soon: what it has not bought by now it goes on renting."""
+    _counting[0] = False
+
 
 def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: Callable[[], bool]) -> bool:
     """Count work that is about to be done, and say whether to do it by compiled code.
@@ -35,7 +42,8 @@ def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: C
         compilation: seconds that it takes to compile that code.
         is_stored: says whether it is on disk already.
     """
-    _spent[kind] += seconds
+    if _counting[0]:
+        _spent[kind] += seconds
     price = LOAD + (0.0 if "numba" in sys.modules else IMPORT)
     if _spent[kind] < price:
         return False

@@ -1,0 +1,1 @@
+"""Things tried side by side, on several cores of this machine."""

@@ -1,0 +1,209 @@
+"""Things tried side by side, by copies of this process."""
+
+import multiprocessing
+import os
+import signal
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import pytest
+
+from flexmodal.diagnosis.parallel import side_by_side as module
+from flexmodal.diagnosis.parallel import workers
+from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.workers import ENOUGH, MOST, VARIABLE, free_cores, is_helper, working_on
+from flexmodal.diagnosis.time_limit import OutOfTime, TimeLimit
+from flexmodal.errors import FlexmodalError, InvalidRequest
+from flexmodal.frf.kernels import worth
+
+copies = pytest.mark.skipif(sys.platform != "linux", reason="processes are copied on Linux only")
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """Of the package as far as that is asked; compared by identity."""
+
+    name: str
+
+    __module__ = "flexmodal.here"
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """At an arm."""
+
+    arm: Arm
+    tried: Callable[[int], object] | None = None
+
+    __module__ = "flexmodal.here"
+
+    def at(self, number: int) -> tuple[Arm, int]:
+        return self.arm, number
+
+
+def slowly(number: int) -> tuple[int, int]:
+    time.sleep(0.05 if number % 3 else 0.15)
+    return number, os.getpid()
+
+
+@copies
+def test_results_come_in_order_from_several_processes():
+    with working_on(3):
+        found = list(side_by_side(slowly, range(12)))
+    assert [number for number, _ in found] == list(range(12))
+    processes = {process for _, process in found}
+    assert os.getpid() in processes
+    assert len(processes) == 3
+
+
+def test_one_worker_is_a_map():
+    with working_on(1):
+        found = list(side_by_side(slowly, range(2)))
+    assert [process for _, process in found] == [os.getpid()] * 2
+    assert [process for _, process in side_by_side(slowly, range(2))] == [os.getpid()] * 2
+
+
+def test_other_systems_do_everything_here(monkeypatch):
+    monkeypatch.setattr(module.sys, "platform", "win32")
+    with working_on(4):
+        assert [process for _, process in side_by_side(slowly, range(3))] == [os.getpid()] * 3
+
+
+@copies
+@pytest.mark.parametrize(
+    "of", [lambda look: look.at, lambda look: partial(Look.at, look), lambda look: lambda k: (look.at(k))[:]]
+)
+def test_what_was_there_before_is_the_same_object_afterwards(of):
+    look = Look(Arm("here"))
+    others = [Arm("given"), Arm("given"), Arm("given")]
+    with working_on(2):
+        found = list(side_by_side(of(look), range(4)))
+        back = list(side_by_side(lambda one: (slowly(1), one), others))
+        made = list(side_by_side(lambda number: (slowly(1), [str(number)] * 2), range(4)))
+    assert all(arm is look.arm for arm, _ in found)
+    assert [one for _, one in back] == others
+    assert made[3][1] == ["3", "3"]
+
+
+@copies
+def test_what_fails_is_raised_when_its_turn_comes():
+    def fails(number):
+        time.sleep(0.02)
+        if number == 2:
+            raise ValueError("number 2")
+        return number
+
+    with working_on(2):
+        going, found = side_by_side(fails, range(6)), []
+        with pytest.raises(ValueError, match="number 2"):
+            found.extend(one for one in going)
+        assert [next(side_by_side(fails, range(3)))] == [0]
+        going, found = side_by_side(fails, range(6)), []
+        found += [next(going), next(going)]
+    assert found == [0, 1]
+
+
+@copies
+def test_who_asks_for_no_more_leaves_no_helper():
+    with working_on(4):
+        for _ in side_by_side(lambda number: time.sleep(0.0 if number < 4 else 1.0), range(1000)):
+            break
+    assert multiprocessing.active_children() == []
+
+
+@copies
+def test_a_helper_that_was_killed_is_told():
+    here = os.getpid()
+
+    def ends(number):
+        if os.getpid() != here:
+            os.kill(os.getpid(), signal.SIGKILL)
+        time.sleep(0.2)
+
+    with working_on(2), pytest.raises(FlexmodalError, match="helping process was killed"):
+        list(side_by_side(ends, range(4)))
+
+
+@copies
+def test_what_cannot_be_sent_is_told():
+    here = os.getpid()
+
+    def made(number):
+        time.sleep(0.1)
+        return number if os.getpid() == here else (lambda: number)
+
+    with working_on(2), pytest.raises(FlexmodalError, match="cannot be sent"):
+        list(side_by_side(made, range(4)))
+
+
+@copies
+def test_helpers_have_no_helpers_and_buy_nothing():
+    def inside(number):
+        time.sleep(0.1)
+        with working_on(1) if not is_helper() else working_on(7):
+            pass
+        bought = worth.is_worth_it("nothing", 1e9, 0.0, lambda: True) if is_helper() else False
+        return os.getpid(), is_helper(), free_cores(), bought, list(side_by_side(slowly, [1, 2]))
+
+    with working_on(2):
+        assert free_cores() == 2
+        found = list(side_by_side(inside, range(4)))
+    assert {helps for _, helps, *_ in found} == {False, True}
+    for process, _, cores, bought, nested in found:
+        assert (cores, bought) == (1, False)
+        assert [one for _, one in nested] == [process] * 2
+    assert not is_helper()
+
+
+@copies
+def test_a_large_result_does_not_stop_a_helper():
+    """Ten times what a pipe holds."""
+
+    def made(number):
+        return bytes(1 << 20), os.getpid(), time.sleep(0.05)
+
+    with working_on(2):
+        found = list(side_by_side(made, range(6)))
+    assert all(len(some) == 1 << 20 for some, *_ in found)
+    assert len({process for _, process, _ in found}) == 2
+
+
+@copies
+@pytest.mark.parametrize("asks_in_helper", [False, True])
+def test_time_that_is_up_ends_what_helpers_do_and_progress_is_told_here_alone(asks_in_helper):
+    here, told, limit = os.getpid(), [], TimeLimit(0.5)
+    advance = limit.watching(lambda doing, part: told.append(os.getpid()))
+
+    def asks(number):
+        for _ in range(600 if os.getpid() != here else 4):
+            time.sleep(0.05)
+            if asks_in_helper:
+                advance("here", 0.0)
+
+    with working_on(2, limit.check), pytest.raises(OutOfTime), limit.counting():
+        list(side_by_side(asks, range(2)))
+    assert limit.was_hit
+    assert set(told) <= {here}
+    assert multiprocessing.active_children() == []
+
+
+def test_how_many_there_are_where_nobody_says(monkeypatch):
+    monkeypatch.delenv(VARIABLE, raising=False)
+    monkeypatch.setattr(workers, "available_cores", lambda: 64)
+    with working_on(None):
+        assert free_cores() == ENOUGH
+    monkeypatch.setenv(VARIABLE, " 3 ")
+    with working_on(None):
+        assert free_cores() == 3
+        with working_on(2):
+            assert free_cores() == 2
+    for text in ("0", "many", "-1", "1.5", str(MOST + 1)):
+        monkeypatch.setenv(VARIABLE, text)
+        with pytest.raises(InvalidRequest, match=rf"{VARIABLE}.*{text}.*1 to {MOST}"), working_on(None):
+            pass
+    for number in (0, -3, MOST + 1):
+        with pytest.raises(InvalidRequest, match=f"workers.*{number}.*1 to {MOST}"), working_on(number):
+            pass
