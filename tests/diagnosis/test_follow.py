@@ -22,6 +22,7 @@ from flexmodal.diagnosis.selection import (
     frf_by_look,
     frf_candidates,
     frf_data,
+    frf_offers,
     in_its_stead,
     looks_beside,
     searches_beside,
@@ -636,7 +637,7 @@ def test_where_nothing_is_left_no_effect_is_exchanged(monkeypatch, over, met, tr
     data._candidates = Mock(spec=FrfCandidates, considered=lambda *given: [other])
     less = fitted(MASS)
     data._refits = Mock(spec=Refits, instead=lambda *given: [other], without=lambda *given: less)
-    for module in (frf_data, frf_by_look):
+    for module in (frf_data, frf_by_look, frf_offers):
         monkeypatch.setattr(module, "over_noise", lambda setup, model, *given: 9.0 if model is less else over)
     assert data.instead(fitted(MASS, DELAY), DELAY) == ([other] if tried else [])
 
@@ -765,7 +766,7 @@ def test_what_was_far_behind_in_the_stead_of_an_effect_is_not_tried_there_again(
     data._candidates = Mock(spec=FrfCandidates, considered=lambda *given: [other])
     data._refits = Mock(spec=Refits, instead=tried)
     monkeypatch.setattr(frf_data, "over_noise", lambda setup, one: 2.0)
-    monkeypatch.setattr(frf_by_look, "over_noise", lambda setup, one: over if one is other else 2.0)
+    monkeypatch.setattr(frf_offers, "over_noise", lambda setup, one: over if one is other else 2.0)
     data.instead(model, DELAY)
     data.instead(model, DELAY)
     assert [[one.key for one in call.args[2]] for call in tried.call_args_list] == asked
@@ -879,7 +880,7 @@ def test_nothing_is_added_where_by_a_look_beside_several_nothing_is_missing(
     monkeypatch, keys, alone, explained, rests
 ):
     """What is left is due to their laws."""
-    monkeypatch.setattr(frf_by_look, "explains", lambda data, model: explained)
+    monkeypatch.setattr(frf_offers, "explains", lambda data, model: explained)
     data, look = FrfData.__new__(FrfData), None if alone is None else Mock(alone=alone)
     data._candidates = Mock(spec=FrfCandidates, looked=lambda model: look)
     assert data.is_at_rest(fitted(*keys)) is rests

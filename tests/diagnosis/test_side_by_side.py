@@ -7,7 +7,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import pytest
 
@@ -86,6 +86,34 @@ def test_what_was_there_before_is_the_same_object_afterwards(of):
     assert all(arm is look.arm for arm, _ in found)
     assert [one for _, one in back] == others
     assert made[3][1] == ["3", "3"]
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """With something that follows from its fields."""
+
+    number: int
+
+    @cached_property
+    def twice(self) -> Callable[[], int]:
+        return lambda: 2 * self.number
+
+
+@copies
+def test_what_follows_from_fields_is_not_sent():
+    """Here it could not be."""
+
+    def made(number):
+        one = Solved(number)
+        time.sleep(0.05)
+        return one, one.twice() == 2 * number, os.getpid()
+
+    with working_on(2):
+        found = list(side_by_side(made, range(4)))
+    assert [one.number for one, right, _ in found if right] == [0, 1, 2, 3]
+    assert {"twice" in vars(one) for one, *_ in found} == {False, True}
+    assert [one.twice() for one, *_ in found] == [0, 2, 4, 6]
+    assert len({process for *_, process in found}) == 2
 
 
 @copies

@@ -6,9 +6,10 @@ import pytest
 
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.report.frf_sections import frf_headline
+from flexmodal.diagnosis.selection.exchange import without
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit, limit_of
 from flexmodal.errors import InvalidRequest
-from tests.diagnosis.test_follow import BASE, DELAY, MASS, Selection, World, fitted, settling, steps
+from tests.diagnosis.test_follow import BASE, DELAY, MASS, Model, Selection, World, fitted, settling, steps
 from tests.diagnosis.test_workflow import campaign
 
 
@@ -166,3 +167,30 @@ def test_a_diagnosis_without_time_says_where_it_looked_and_that_it_was_cut_off()
     assert frf_headline(found) == "Something is missing that has no name yet"
     assert "nothing in the catalogue" not in found.verdict.says
     assert found.look.places
+
+
+class Late(World):
+    """Whose further fits ask for the time, which is up."""
+
+    def wider(self, model, keys):
+        raise OutOfTime
+
+    def instead(self, model, key, *, anyway=False):
+        raise OutOfTime
+
+    def surely(self, model, key):
+        raise OutOfTime
+
+
+def test_once_time_is_up_effects_are_left_out_in_turn_without_wider_laws_or_others_in_their_stead():
+    data = Late(lambda keys: 0.5 * 4.0 ** len({MASS, DELAY} - keys))
+    model = Model((MASS, DELAY))
+    assert without(data, model, DELAY).keys == (MASS,)
+    selection = Selection(data)
+    selection.current = model
+    selection.steps[:] = [
+        selection.describe(data.compare([data.root, Model((key,))]), 1) for key in model.keys
+    ]
+    selection.drop_needless()
+    assert steps(selection) == [MASS, DELAY]
+    assert selection.current is model

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copyreg
 import io
 import pickle
+from dataclasses import fields, is_dataclass
 from functools import partial
 from types import FunctionType, MethodType
 from typing import Any
@@ -73,6 +75,14 @@ class _Sent(pickle.Pickler):
 
     def persistent_id(self, obj: Any) -> int | None:
         return id(obj) if id(obj) in self._known else None
+
+    def reducer_override(self, obj: Any) -> Any:
+        """Of what has fields these alone: what else it keeps in mind follows from them."""
+        if not is_dataclass(obj) or isinstance(obj, type) or not hasattr(obj, "__dict__"):
+            return NotImplemented
+        own = vars(obj)
+        state = {field.name: own[field.name] for field in fields(obj) if field.name in own}
+        return copyreg.__newobj__, (type(obj),), state  # type: ignore[attr-defined]  # typeshed lacks it
 
 
 class _Received(pickle.Unpickler):

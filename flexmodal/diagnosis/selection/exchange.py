@@ -6,11 +6,13 @@ What was added while others were missing may have taken up what was due to these
 from __future__ import annotations
 
 from collections.abc import Collection
+from contextlib import suppress
 
 from flexmodal.diagnosis.outcome import Step
 from flexmodal.diagnosis.selection.comparison import Comparison, M
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.decision import comes_before
+from flexmodal.diagnosis.time_limit import OutOfTime
 
 NEARER = 0.1
 """Part of what is left above the noise that another model has to take to be better."""
@@ -92,7 +94,7 @@ def exchanged(data: Data[M], model: M) -> M:
 def without(data: Data[M], model: M, key: tuple[str, str]) -> M:
     """A model with one effect less, and with a wider law for another one where that does as well.
 
-    What a narrow law leaves may have been taken for one effect more.
+    What a narrow law leaves may have been taken for one effect more. Of wider laws only while there is time.
 
     Args:
         data: that it is fitted to.
@@ -103,7 +105,9 @@ def without(data: Data[M], model: M, key: tuple[str, str]) -> M:
     keys, share = less.hypothesis.keys, data.share(data.root, less)
     if len(keys) > 1 and (share is None or share < WITHOUT):
         return less
-    wider = data.wider(less, keys)
+    wider: list[M] = []
+    with suppress(OutOfTime):
+        wider = data.wider(less, keys)
     return next((one for one in wider if data.is_close(one) or takes(data, model, one, NEARER)), less)
 
 

@@ -9,14 +9,11 @@ from functools import partial
 from flexmodal.diagnosis.disagreement.gaps import left, over_noise
 from flexmodal.diagnosis.lawfree.adjacent import on_base, within
 from flexmodal.diagnosis.lawfree.effects_at import DOES_MUCH, PORT_OF
-from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
-from flexmodal.diagnosis.search.explanations import best_of_each
 from flexmodal.diagnosis.selection.by_function import fitted_with, told_of, wanted
 from flexmodal.diagnosis.selection.confidence import explains
-from flexmodal.diagnosis.selection.data import Data
-from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
+from flexmodal.diagnosis.selection.frf_offers import FrfsOffered
 from flexmodal.diagnosis.selection.frf_starts import with_last
 from flexmodal.diagnosis.selection.frf_thresholds import (
     ALL_BUT_LITTLE,
@@ -25,7 +22,6 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     HALF,
     IN_STEAD,
     LARGER_PART,
-    LIKELY,
     MOST_OF_REST,
     NEARLY_ALL,
     NOT_FAR_BEHIND,
@@ -33,21 +29,15 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     SURE,
     least_share,
 )
-from flexmodal.diagnosis.selection.in_its_stead import Refits, sure_beside
+from flexmodal.diagnosis.selection.in_its_stead import sure_beside
 from flexmodal.diagnosis.selection.together import Together
-from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_limit import OutOfTime
 
 
-class FrfsByLook(Data[FittedFrfs]):
+class FrfsByLook(FrfsOffered):
     """FRFs, as far as a look decides; what is fitted and compared is said by `FrfData`."""
 
-    setup: Setup
-    _candidates: FrfCandidates
     _look: LawFree
-    _refits: Refits
-    _far: frozenset[tuple[tuple[str, str], tuple[str, str]]] = frozenset()
-    """Effects and others that were far behind in their stead."""
     _told: tuple[tuple[tuple[str, str], ...], tuple[str, ...]] = (), ()
     """Effects that are told by functions, and where something is left."""
     _settled: tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...], tuple[str, ...]] = (), (), ()
@@ -58,17 +48,13 @@ class FrfsByLook(Data[FittedFrfs]):
         return self._look
 
     def look_for(self, before: FittedFrfs) -> LawFree:
-        """The look beside a model, where it was taken; else that of the re-tuned robot."""
+        """See `FrfsOffered`."""
         return self._candidates.looked(before) or self.look
 
     @property
     def most(self) -> int:
         """Two, or as many as there are places that explain everything without a law."""
         return max(2, len(self.look.found)) if self.look.explains else 2
-
-    def doubted(self, model: FittedFrfs) -> tuple[str, str] | None:
-        """See `Data`."""
-        return self._candidates.doubted(model)
 
     def falls_short(self, model: FittedFrfs) -> tuple[str, str] | None:
         """See `Data`; of one that takes the larger part alone, and whose place did not do so before."""
@@ -83,47 +69,6 @@ class FrfsByLook(Data[FittedFrfs]):
             return None
         look = self._candidates.look_beside(model)
         return keys[0] if look.needed and look.explains and look.found[0].has(*keys[0]) else None
-
-    def wider(self, model: FittedFrfs, keys: Collection[tuple[str, str]]) -> list[FittedFrfs]:
-        """See `Data`."""
-        return [] if self.is_close(model) else self._candidates.wider(model, keys)
-
-    def is_at_rest(self, model: FittedFrfs) -> bool:
-        """See `Data`: they count as explaining everything, and by a look beside them nothing is missing."""
-        look, several = self._candidates.looked(model), len(model.hypothesis.keys) > 1
-        return look is not None and several and look.alone <= SOUND and explains(self, model)
-
-    def instead(self, model: FittedFrfs, key: tuple[str, str], *, anyway: bool = False) -> list[FittedFrfs]:
-        """See `Data`; what was far behind then stays there, and where nothing is left everything stays.
-
-        Unless none of its effects is where it is missing without a law.
-        """
-        if not anyway and self.is_enough(model) and not self.is_contradicted(model):
-            return []
-        likely = self._candidates.considered(model, key, NOT_FAR_BEHIND)[:LIKELY]
-        found = self._refits.instead(model, key, [one for one in likely if (key, one.key) not in self._far])
-        far = NOT_FAR_BEHIND * over_noise(self.setup, model)
-        self._far |= {(key, one.key) for one in found if over_noise(self.setup, one) > far}
-        return best_of_each(found)
-
-    def plainer(self, less: FittedFrfs, key: tuple[str, str]) -> list[FittedFrfs]:
-        """See `Data`: in a foundation's stead what sits in the joints on it, whose turns it can do.
-
-        And what an effect comes down to in a limit, as an absorber does to a mass.
-        """
-        if self.asked is not None:
-            return []
-        number = len(less.hypothesis.keys)
-        if PORT_OF.get(key[0]) in DOES_MUCH:
-            rigid = {one for one in on_base(self.setup.context) if one[0] in ("joint", "bearing")}
-            return self._candidates.also_at(less, number, [], rigid)
-        simpler = {name for effect in self.effects if effect.name == key[0] for name in effect.simpler}
-        tried = {(name, key[1]) for name in simpler} - set(less.hypothesis.keys)
-        return self._candidates.searched(less, number, lambda *one: one in tried) if tried else []
-
-    def leads_on(self, model: FittedFrfs) -> bool:
-        """See `Data`."""
-        return self.is_enough(model) or self._candidates.one_explains(model)
 
     def is_named(self, model: FittedFrfs) -> bool:
         """Whether its effects sit where the law-free look points, one each, and take the larger part.

@@ -135,6 +135,20 @@ def in_its_stead(setup: Setup, model: FittedFrfs, key: Key, other: FittedFrfs) -
     return tried_closely(setup, hypothesis, start, near=True, steps=A_FEW)
 
 
+def also(setup: Setup, model: FittedFrfs, other: FittedFrfs) -> list[FittedFrfs]:
+    """A model with one effect more, fitted again; none where there is no such model.
+
+    Args:
+        setup: what the diagnosis works with.
+        model: with effects.
+        other: model whose last effect is added.
+    """
+    own = dict(zip(other.hypothesis.space.names, other.x.tolist(), strict=True))
+    hypothesis = model.hypothesis.and_also(other.hypothesis.placed[-1])
+    more = [own[name] for name in hypothesis.space.names[len(model.x) :]]
+    return tried_closely(setup, hypothesis, np.array([*model.x, *more]), near=True, steps=A_FEW)
+
+
 def sure_beside(comparison: Comparison[FittedFrfs]) -> float:
     """The probability above.
 

@@ -69,6 +69,11 @@ class LooksBeside:
         known = model is self.root or laws_of(model) in self._beside
         return known or len(self._beside) < MOST_LOOKS
 
+    @property
+    def one_explained(self) -> bool:
+        """Whether by the last look, beside whatever it was, one place more explains everything."""
+        return next(reversed(self._beside.values()), self.looks.one).explains
+
     def one_explains(self, model: FittedFrfs) -> bool:
         """Whether one place more explains everything without a law.
 

@@ -45,8 +45,10 @@ class ForwardSelection(Steps[M]):
         if not self.rounds:  # there was no time for any
             self._taken([self.root], 0)
         if not (self.limit.was_hit and self.data.standing(self.current)[1]):  # who is unsure has no name
-            self.drop_needless()
-            self.drop_hardly_possible()
+            with self.limit.counting(at_least=1 - FOR_EFFECTS):
+                self.drop_needless()
+            with suppress(OutOfTime), self.limit.counting(at_least=1 - FOR_EFFECTS):
+                self.drop_hardly_possible()
         tried = [one for each in self.rounds for one in each.comparison.models]
         with suppress(OutOfTime), self.limit.counting(at_least=1 - FOR_EFFECTS):
             doubted = [step for step in self.steps if hardly_possible(step.confidence) is Answer.YES]
@@ -145,6 +147,8 @@ class ForwardSelection(Steps[M]):
         if len(models) < 2 or not (self._taken(models, 0) or self._tried_on()):
             wider = self._widened(self.current.hypothesis.keys)
             return wider or self._bettered(exchanged(self.data, self.current))
+        while self._remembered():
+            pass
         self.current = reconsidered(self.data, self.current)
         much = takes(self.data, present, self.current, MUCH)
         if many > 1 and not much and not self.data.leads_on(self.current):
@@ -155,6 +159,14 @@ class ForwardSelection(Steps[M]):
                 if not better:
                     self._state = further
         return True
+
+    def _remembered(self) -> bool:
+        """One effect more of those that were compared last, where it takes a good part beside the others."""
+        if len(self.current.hypothesis.keys) >= MOST:
+            return False
+        models = self.data.remembered(self.current, self.rounds[-1].comparison.models)
+        able = [one for one in models[1:] if takes(self.data, self.current, one, MUCH)]
+        return bool(able) and self._taken([self.current, *able], 0) is not None
 
     def _besides(self) -> None:
         """Effects where what is left counts as noise and one place explains a good part of it."""
@@ -231,11 +243,14 @@ class ForwardSelection(Steps[M]):
         """
         sure = float(self.data.confidences(comparison, 1)[1])
         told = described.beside_others(step, sure, self.current.hypothesis.keys)
-        other = of_the_tied(self.data, comparison, told)
+        other = again = None
+        with suppress(OutOfTime):
+            other = of_the_tied(self.data, comparison, told)
         if other is not None:
             self.current = other.models[1]
             return replace(self.describe(other, 1), gaps=step.gaps, share=step.share)
-        again = self.data.surely(self.current, (step.effect, step.where)) if told.ties else None
+        with suppress(OutOfTime):
+            again = self.data.surely(self.current, (step.effect, step.where)) if told.ties else None
         return (
             described.untied(step, min(sure, again))
             if again is not None and again > step.confidence
