@@ -69,7 +69,7 @@ def main() -> None:
     if given.answer:
         print(json.dumps(answer(given.answer[0], Path(given.answer[1]), profiled=given.profile)))
         return
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    os.environ["OPENBLAS_NUM_THREADS"] = os.environ["FLEXMODAL_WORKERS"] = "1"
     with tempfile.TemporaryDirectory() as scratch:
         compare(given.against, given.rounds, CAMPAIGNS[: given.most], Path(scratch))
 

@@ -56,8 +56,11 @@ def ask(question: Question, folder: Path, engine: str, forms: str, within: float
 
 
 def call(command: list[str]) -> None:
-    """Run a process on one thread; its complaint is ours."""
-    env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    """Run a process on one thread; its complaint is ours.
+
+    Campaigns are asked side by side, so that each diagnosis works alone unless the environment says other.
+    """
+    env = {"FLEXMODAL_WORKERS": "1", **os.environ, "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(command, env=env, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{' '.join(command[-3:])}: {done.stderr[-2000:]}")

@@ -6,6 +6,7 @@ python benchmarks/exam_candidate.py CAMPAIGN ANSWER.json [SECONDS]
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from pathlib import Path
@@ -18,9 +19,15 @@ from flexmodal.files import whole_file
 from flexmodal.identification.gap import over_noise
 
 
+def processor_seconds() -> float:
+    """Of this process and of those that have helped it."""
+    spent = os.times()
+    return spent.user + spent.system + spent.children_user + spent.children_system
+
+
 def main() -> None:
     folder, answer = Path(sys.argv[1]), Path(sys.argv[2])
-    wall, cpu = time.perf_counter(), time.process_time()
+    wall, cpu = time.perf_counter(), processor_seconds()
     within = float(sys.argv[3]) if len(sys.argv) > 3 else None
     robot = flexmodal.load(str(folder / "robot" / "robot.toml"))
     found = diagnose(read_campaign(folder), robot, within=within)
@@ -52,7 +59,7 @@ def main() -> None:
         ],
         "cut_off": found.verdict.cut_off,
         "seconds": time.perf_counter() - wall,
-        "processor_seconds": time.process_time() - cpu,
+        "processor_seconds": processor_seconds() - cpu,
     }  # fmt: skip
     with whole_file(answer, overwrite=True) as scratch:
         scratch.write_text(json.dumps(table, indent=1), encoding="utf-8")

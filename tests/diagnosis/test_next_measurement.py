@@ -5,9 +5,10 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.next_measurement import choose
-from flexmodal.diagnosis.next_measurement.choose import Sure, next_among_records
+from flexmodal.diagnosis.next_measurement import predicted
+from flexmodal.diagnosis.next_measurement.choose import next_among_records
 from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_left, information
+from flexmodal.diagnosis.next_measurement.predicted import Sure, predicted_by, relative
 from flexmodal.diagnosis.next_measurement.refit import not_made_up_for
 from flexmodal.diagnosis.next_measurement.setups import Bench, postures_to_try
 from flexmodal.errors import SingularResponse
@@ -117,7 +118,7 @@ def test_what_a_model_cannot_predict_tells_nothing():
     """A step of a refit may lead to a robot that has no finite receptance."""
     value = np.array([[0.0, np.nan, 2.0]], dtype=complex)
     slopes = np.array([[[1.0, 1.0, 3.0]]], dtype=complex)
-    found = choose._relative(value, slopes, Mock(spec=Sure, covariance=np.eye(1)))
+    found = relative(value, slopes, Mock(spec=Sure, covariance=np.eye(1)))
     np.testing.assert_array_equal(found.value, [[0.0, 0.0, 2.0]])
     np.testing.assert_array_equal(found.slopes, [[[0.0, 0.0, 1.5]]])
 
@@ -134,12 +135,12 @@ def test_of_a_model_that_rings_up_records_without_an_end_are_planned(observed, h
         asked.append(planned)
         if not planned.endless:
             raise SingularResponse("it rings up")
-        return choose_evaluated(model, x, planned, lines, slopes=slopes)
+        return evaluated_before(model, x, planned, lines, slopes=slopes)
 
-    choose_evaluated = choose.evaluated
-    expected = choose._seen(one, there, unlimited(planned), lines)
-    monkeypatch.setattr(choose, "evaluated", evaluated)
-    found = choose._seen(one, there, planned, lines)
+    evaluated_before = predicted.evaluated
+    expected = predicted_by(one, there, unlimited(planned), lines)
+    monkeypatch.setattr(predicted, "evaluated", evaluated)
+    found = predicted_by(one, there, planned, lines)
     assert len(asked) == 2
     np.testing.assert_array_equal(found.value, expected.value)
     np.testing.assert_array_equal(found.slopes, expected.slopes)

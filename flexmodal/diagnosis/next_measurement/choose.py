@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -21,14 +22,14 @@ from flexmodal.diagnosis.effects.context import Context, Place
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import NONE
 from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_left
+from flexmodal.diagnosis.next_measurement.predicted import Sure, predicted_by, relative
 from flexmodal.diagnosis.next_measurement.refit import At, not_made_up_for
 from flexmodal.diagnosis.next_measurement.setups import Bench, Plan, postures_to_try
 from flexmodal.diagnosis.outcome import NextMeasurement
+from flexmodal.diagnosis.parallel.side_by_side import side_by_side
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.errors import SingularResponse
-from flexmodal.identification import Observations, unlimited
+from flexmodal.identification import Observations
 from flexmodal.identification.gap import gap
-from flexmodal.identification.model import evaluated
 from flexmodal.structure.structure import Axis, receptance
 
 NOISE = 0.05
@@ -44,16 +45,6 @@ TOGETHER = 8
 """Postures that are looked at together: bounds the memory for many places in each."""
 REFITTED = 3
 """Explanations that are fitted to each other."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sure:
-    """A fitted hypothesis, how sure its parameters are, and how probable it is beside the others."""
-
-    hypothesis: Hypothesis
-    x: np.ndarray
-    covariance: np.ndarray
-    weight: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,18 +100,21 @@ def next_among_records(
     by_force = any(one.hypothesis.by_force for one in models)
     levels = bench.levels(by_force=by_force)
 
-    def seen(plans: Sequence[Plan]) -> list[Option]:
-        options, full = list[Option](), [plan for plan in plans if plan[1]]
-        for begin in range(0, len(full), TOGETHER):
-            some = full[begin : begin + TOGETHER]
-            planned, there = bench.planned(some, levels)
-            found = [_seen(one, there, planned, lines) for one in models]
-            for number, (posture, rows) in enumerate(some):
-                here = planned.posture == number
-                peaks = [planned.peak(int(level)) for level in planned.level[here]]
-                told = [(u, v) for u, v in rows for _ in levels]
-                options += _options(posture, told, peaks, [one.keeping(here) for one in found], models, noise)
+    def seen_together(some: Sequence[Plan]) -> list[Option]:
+        options = list[Option]()
+        planned, there = bench.planned(some, levels)
+        found = [predicted_by(one, there, planned, lines) for one in models]
+        for number, (posture, rows) in enumerate(some):
+            here = planned.posture == number
+            peaks = [planned.peak(int(level)) for level in planned.level[here]]
+            told = [(u, v) for u, v in rows for _ in levels]
+            options += _options(posture, told, peaks, [one.keeping(here) for one in found], models, noise)
         return options
+
+    def seen(plans: Sequence[Plan]) -> list[Option]:
+        full = [plan for plan in plans if plan[1]]
+        blocks = [full[begin : begin + TOGETHER] for begin in range(0, len(full), TOGETHER)]
+        return [option for found in side_by_side(seen_together, blocks) for option in found]
 
     def not_measured(posture: CampaignPosture, rows: Sequence[tuple[Place, Place]]) -> Plan:
         return posture, _not_measured(bench, posture, rows)
@@ -139,7 +133,8 @@ def next_among_records(
     new = {point.id: point.name for point in bench.new}
     judged: list[Option] = []
     for kind in (plain, elsewhere, held):
-        judged += [_refitted(one, bench, models, lines, noise) for one in _best(kind, CLOSER)]
+        again = partial(_refitted, bench=bench, models=models, lines=lines, noise=noise)
+        judged += side_by_side(again, _best(kind, CLOSER))
         if judged and _best(judged, 1)[0].doubt < math.log(NO_DOUBT):
             break
     return _told(_best(judged, 1)[0], models, new)
@@ -159,7 +154,7 @@ def _refitted(option: Option, bench: Bench, models: Sequence[Sure], lines: slice
         low, high = moved.space.bounds
 
         def found(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            seen = _seen(replace(one, x=np.clip(x, low, high)), there, planned, lines)
+            seen = predicted_by(replace(one, x=np.clip(x, low, high)), there, planned, lines)
             return seen.value[0], seen.slopes[:, 0]
 
         return found
@@ -203,7 +198,7 @@ def next_frf(campaign: Campaign, direction: int, models: Sequence[Sure], seed: i
         moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
         (structure,) = moved.structures(fit.x, places, places, slopes=True)
         value, slopes = receptance(structure, axis, pairs, moved.space.names)
-        return _relative(value, slopes, fit)
+        return relative(value, slopes, fit)
 
     options: list[Option] = []
     for number, q in enumerate(postures_to_try(context, seed), start=1):
@@ -272,28 +267,3 @@ def _told(best: Option, models: Sequence[Sure], new: Mapping[int, str]) -> NextM
 
 def _label(hypothesis: Hypothesis) -> str:
     return "@".join(hypothesis.keys[-1]) if hypothesis.placed else NONE
-
-
-def _seen(fit: Sure, there: Context, planned: Observations, lines: slice) -> Predicted:
-    """What a model predicts; in records without an end where it rings up within those that are planned."""
-    moved = Hypothesis(there, fit.hypothesis.base, fit.hypothesis.placed)
-    count = len(planned.axis.take(lines))
-    value = np.zeros((len(planned), count), dtype=complex)
-    slopes = np.zeros((len(moved.space), len(planned), count), dtype=complex)
-    try:
-        every = list(evaluated(moved, fit.x, planned, lines, slopes=True))
-    except SingularResponse:
-        every = list(evaluated(moved, fit.x, unlimited(planned), lines, slopes=True))
-    for some, found, changes in every:
-        value[some], slopes[:, some] = found, changes
-    return _relative(value, slopes, fit)
-
-
-def _relative(value: np.ndarray, slopes: np.ndarray, fit: Sure) -> Predicted:
-    """Slopes of ln(value); what does not move, or has no finite value, is nothing and tells nothing."""
-    known = np.isfinite(value) & (value != 0)
-    return Predicted(
-        np.where(known, value, 0.0),
-        np.where(known, slopes, 0.0) / np.where(known, value, 1.0),
-        fit.covariance,
-    )

@@ -14,7 +14,8 @@ from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.modal_model import ModalModel
 from flexmodal.diagnosis.names import NONE, UNSTRUCTURED
-from flexmodal.diagnosis.next_measurement.choose import Sure, next_frf
+from flexmodal.diagnosis.next_measurement.choose import next_frf
+from flexmodal.diagnosis.next_measurement.predicted import Sure
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.modal_search import (
