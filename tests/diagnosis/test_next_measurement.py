@@ -5,7 +5,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
-from flexmodal.diagnosis.next_measurement import predicted
+from flexmodal.diagnosis.next_measurement import predicted as predicting
 from flexmodal.diagnosis.next_measurement.choose import next_among_records
 from flexmodal.diagnosis.next_measurement.information import Predicted, doubt_left, information
 from flexmodal.diagnosis.next_measurement.predicted import Sure, predicted_by, relative
@@ -137,9 +137,9 @@ def test_of_a_model_that_rings_up_records_without_an_end_are_planned(observed, h
             raise SingularResponse("it rings up")
         return evaluated_before(model, x, planned, lines, slopes=slopes)
 
-    evaluated_before = predicted.evaluated
+    evaluated_before = predicting.evaluated
     expected = predicted_by(one, there, unlimited(planned), lines)
-    monkeypatch.setattr(predicted, "evaluated", evaluated)
+    monkeypatch.setattr(predicting, "evaluated", evaluated)
     found = predicted_by(one, there, planned, lines)
     assert len(asked) == 2
     np.testing.assert_array_equal(found.value, expected.value)
