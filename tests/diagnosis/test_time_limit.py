@@ -6,6 +6,7 @@ import pytest
 
 from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.report.frf_sections import frf_headline
+from flexmodal.diagnosis.selection import described
 from flexmodal.diagnosis.selection.exchange import without
 from flexmodal.diagnosis.time_limit import FOR_EFFECTS, OutOfTime, TimeLimit, limit_of
 from flexmodal.errors import InvalidRequest
@@ -194,3 +195,26 @@ def test_once_time_is_up_effects_are_left_out_in_turn_without_wider_laws_or_othe
     selection.drop_needless()
     assert steps(selection) == [MASS, DELAY]
     assert selection.current is model
+
+
+def test_once_time_is_up_in_the_midst_of_leaving_effects_out_the_rest_stays(monkeypatch):
+    asked, told = [], []
+    monkeypatch.setattr(described, "shared_anew", lambda data, root, last, steps: told.append(last) or steps)
+
+    class Shorter(Late):
+        def without(self, model, key):
+            asked.append(key)
+            if len(asked) > 1:
+                raise OutOfTime
+            return super().without(model, key)
+
+    data = Shorter(lambda keys: 0.5 * 4.0 ** len({DELAY, BASE} - keys))
+    selection = Selection(data)
+    selection.current = Model((MASS, DELAY, BASE))
+    alone = [data.compare([data.root, Model((key,))]) for key in selection.current.keys]
+    selection.steps[:] = [selection.describe(one, 1) for one in alone]
+    selection.drop_needless()
+    assert asked == [MASS, DELAY]
+    assert steps(selection) == [DELAY, BASE]
+    assert selection.current.keys == (DELAY, BASE)
+    assert told == [selection.current]

@@ -45,8 +45,7 @@ class ForwardSelection(Steps[M]):
         if not self.rounds:  # there was no time for any
             self._taken([self.root], 0)
         if not (self.limit.was_hit and self.data.standing(self.current)[1]):  # who is unsure has no name
-            with self.limit.counting(at_least=1 - FOR_EFFECTS):
-                self.drop_needless()
+            self.drop_needless()
             with suppress(OutOfTime), self.limit.counting(at_least=1 - FOR_EFFECTS):
                 self.drop_hardly_possible()
         tried = [one for each in self.rounds for one in each.comparison.models]
@@ -219,22 +218,28 @@ class ForwardSelection(Steps[M]):
                 self._state = kept
 
     def drop_needless(self) -> None:
-        """Leave out every effect in turn; those that nobody misses go.
+        """Leave out every effect in turn; those that nobody misses go, as far as there is time to ask.
 
         The last one too: what it took away may have been due to a fit of those before it that had not ended.
         """
-        for number, step in enumerate(every := list(self.steps)):
-            if len(self.steps) == 1 or self.sure:
-                break
-            less = without(self.data, self.current, (step.effect, step.where))
-            comparison = self.data.compare([less, self.current])
-            if is_idle(self.data.plausible(comparison)) or self._chosen(comparison, number).number is None:
-                self.current = less
-                self.steps.remove(step)
-            else:
-                self.steps[self.steps.index(step)] = self._beside_others(step, comparison)
+        every = list(self.steps)
+        with suppress(OutOfTime), self.limit.counting(at_least=1 - FOR_EFFECTS):
+            for number, step in enumerate(every):
+                if len(self.steps) == 1 or self.sure:
+                    break
+                self._drop_or_keep(number, step)
         if len(self.steps) < len(every):
             self.steps[:] = described.shared_anew(self.data, self.root, self.current, self.steps)
+
+    def _drop_or_keep(self, number: int, step: Step) -> None:
+        """Leave out one of several effects, or say how sure it is beside the others."""
+        less = without(self.data, self.current, (step.effect, step.where))
+        comparison = self.data.compare([less, self.current])
+        if is_idle(self.data.plausible(comparison)) or self._chosen(comparison, number).number is None:
+            self.current = less
+            self.steps.remove(step)
+        else:
+            self.steps[self.steps.index(step)] = self._beside_others(step, comparison)
 
     def _beside_others(self, step: Step, comparison: Comparison[M]) -> Step:
         """One of several effects, as sure as it is beside the others and what it was tied with alone.

@@ -172,7 +172,7 @@ def torques(
             *(one[part] for one in (laws_of_blows, pushes, torque, last)),
         )
 
-    in_parts(tiles, min(free_cores(), tiles), some)
+    in_parts(tiles, 1 if loop is numpy_form.integrate else min(free_cores(), tiles), some)
     last = np.moveaxis(last, 1, 2).reshape(tiles * lanes, -1)[: len(blows)]
     return (
         force,
