@@ -16,6 +16,8 @@ from flexmodal.cli.viewing import deliver, page_option, refuse_page
 if TYPE_CHECKING:
     from flexmodal.diagnosis import Diagnosis
 
+_MOST_WORKERS = 256
+
 
 @click.command()
 @click.argument("campaign", type=click.Path(path_type=Path))
@@ -54,7 +56,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--workers",
-    type=click.IntRange(1, 256),
+    type=click.IntRange(1, _MOST_WORKERS),
     metavar="NUMBER",
     help="Processes that it works on, on Linux.  "
     "[default: FLEXMODAL_WORKERS, or as many as cores, at most 8]",

@@ -13,7 +13,7 @@ from flexmodal.diagnosis.selection import frf_offers, in_its_stead
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
-from flexmodal.diagnosis.selection.frf_offers import REMEMBERED
+from flexmodal.diagnosis.selection.frf_thresholds import REMEMBERED
 from flexmodal.diagnosis.selection.looks_beside import LooksBeside
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.structure import robot_space

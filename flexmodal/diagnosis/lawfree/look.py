@@ -22,7 +22,7 @@ from flexmodal.diagnosis.lawfree.ported_fit import begun, finished, mended
 from flexmodal.diagnosis.lawfree.records import endless, of_first_blow
 from flexmodal.diagnosis.lawfree.related import parts
 from flexmodal.diagnosis.lawfree.sighting import Round, Sighting, Start, carried_over
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.search.coarse import Look, look_at
 from flexmodal.identification import Observations
 
@@ -112,7 +112,7 @@ class Field(PortFits):
             tried = self._torques_that_lead(tried, before)
         found, kept, part = [], [], 1.0 if ports is not None else 0.2
         roughly = ports is None and bool(self.root.placed)
-        each = side_by_side(lambda port: self.sighted((port,), before, roughly=roughly), tried)
+        each = parallel_map(lambda port: self.sighted((port,), before, roughly=roughly), tried)
         for number, one in enumerate(each, start=1):
             found.append(one)
             advance(part * number / len(tried))
@@ -121,7 +121,7 @@ class Field(PortFits):
             told = not self.root.placed and any(one.judged <= SOUND for one in found)
             others = [port for port in self.ports if port.kind.reads is not None or not told]
             kept = self._screened(others, before, lambda part: advance(0.2 + 0.4 * part))
-        each = side_by_side(lambda one: self.sighted((one[0],), before, one[1], roughly=True), kept)
+        each = parallel_map(lambda one: self.sighted((one[0],), before, one[1], roughly=True), kept)
         for number, one in enumerate(each, start=1):
             found.append(one)
             advance(0.6 + 0.4 * number / len(kept))
@@ -151,7 +151,7 @@ class Field(PortFits):
             return better
         more = self._screened(self.rare, before, lambda part: None)
         leading = [one for one in more if one[2] < least]
-        rare = list(side_by_side(lambda one: self.sighted((one[0],), before, one[1]), leading))
+        rare = list(parallel_map(lambda one: self.sighted((one[0],), before, one[1]), leading))
         return again.better([*better, *rare], {one.port.key for one in better})
 
     def _ended(self, found: Sequence[Sighting]) -> list[Sighting]:
@@ -160,7 +160,7 @@ class Field(PortFits):
         if least > self._most:
             return list(found)
         near = [one for one in found if one.judged <= NEAR * least]
-        ended = dict(zip(near, side_by_side(self.ended, near), strict=True))
+        ended = dict(zip(near, parallel_map(self.ended, near), strict=True))
         return [ended.get(one, one) for one in found]
 
     @property
@@ -182,7 +182,7 @@ class Field(PortFits):
         begins = [pair for pair in parts(one, self.root.context) if pair[0].key not in known]
         new = self._possible([port for port, _ in begins], before)
         some = [one for one in begins if one[0] in new]
-        return list(side_by_side(lambda one: self.sighted((one[0],), before, one[1]), some))
+        return list(parallel_map(lambda one: self.sighted((one[0],), before, one[1]), some))
 
     def _between(self, one: Sighting, before: Sighting | None, known: set[tuple[str, str]]) -> list[Sighting]:
         """The link between two joints whose coupling explains what is missing, if it was not tried well.
@@ -194,7 +194,7 @@ class Field(PortFits):
         keys = between(self.root.context, one.port.where) - known
         links = [port for port in self.ports if port.key in keys]
         possible = self._possible(links, before)
-        return list(side_by_side(lambda port: self.sighted((port,), before), possible))
+        return list(parallel_map(lambda port: self.sighted((port,), before), possible))
 
     def _screened(
         self,
@@ -205,7 +205,7 @@ class Field(PortFits):
         """Those of some ports that go on, after a look at a part of the lines, where that ended, and how."""
         begins: list[tuple[Port, screening.Fit]] = []
         possible = self._possible(ports, before)
-        roughly = side_by_side(lambda port: self._begun(port, before, roughly=True), possible)
+        roughly = parallel_map(lambda port: self._begun(port, before, roughly=True), possible)
         for number, (port, fit) in enumerate(zip(possible, roughly, strict=True), start=1):
             begins.append((port, fit))
             advance(0.7 * number / len(possible))
@@ -214,7 +214,7 @@ class Field(PortFits):
         )
         without = self._unexplained if before is None else None
         first, ends, going = [], {}, screening.near(begins, without)
-        further = side_by_side(self._screened_further, [fit for _, fit in going])
+        further = parallel_map(self._screened_further, [fit for _, fit in going])
         for number, ((port, _), found) in enumerate(zip(going, further, strict=True)):
             misfit = screening.misfit_of(found)
             first.append((misfit, port))
@@ -256,7 +256,7 @@ class Field(PortFits):
         def ended(port: Port) -> screening.Fit:
             return self._screened_further(mended(*self._begun(port, before, roughly=True)))
 
-        misfit = [screening.misfit_of(one) for one in side_by_side(ended, torques)]
+        misfit = [screening.misfit_of(one) for one in parallel_map(ended, torques)]
         return [torques[k] for k in np.argsort(misfit, kind="stable")[: screening.TORQUES]]
 
     def _screened_further(self, fit: screening.Fit) -> screening.Fit:

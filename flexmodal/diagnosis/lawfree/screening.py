@@ -12,7 +12,7 @@ from flexmodal.diagnosis.lawfree.model import Unknown
 from flexmodal.diagnosis.lawfree.port import Port
 from flexmodal.diagnosis.lawfree.ported_fit import mended
 from flexmodal.diagnosis.lawfree.profile import Profile, State
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.identification import Observations
 
 FLOORS = (0.2, 0.05)
@@ -112,7 +112,7 @@ def with_places(
     """
     placed = [(misfit_of(fit), port) for port, fit in begins if port.kind.geometries(context, port.where)]
     best = [port for _, port in sorted(placed, key=lambda one: one[0])[:WELL_PLACED]]
-    found = {port.key: fit for port, fit in zip(best, side_by_side(again, best), strict=True)}
+    found = {port.key: fit for port, fit in zip(best, parallel_map(again, best), strict=True)}
     return [(port, found.get(port.key, fit)) for port, fit in begins]
 
 
@@ -124,7 +124,7 @@ def near(begins: Sequence[tuple[Port, Fit]], without: float | None = None) -> li
         without: reduced χ² without any port where little is left; then those that take a part of it at all.
     """
     going = _within(UNMENDED * HOPELESS, UNMENDED * MOST_NEAR, begins)
-    repaired = side_by_side(lambda one: mended(*one[1]), going)
+    repaired = parallel_map(lambda one: mended(*one[1]), going)
     found = _within(HOPELESS, MOST_NEAR, list(zip([port for port, _ in going], repaired, strict=True)))
     if without is None or not found:
         return found

@@ -26,7 +26,7 @@ from flexmodal.diagnosis.next_measurement.predicted import Sure, predicted_by, r
 from flexmodal.diagnosis.next_measurement.refit import At, not_made_up_for
 from flexmodal.diagnosis.next_measurement.setups import Bench, Plan, postures_to_try
 from flexmodal.diagnosis.outcome import NextMeasurement
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.identification import Observations
 from flexmodal.identification.gap import gap
@@ -114,7 +114,7 @@ def next_among_records(
     def seen(plans: Sequence[Plan]) -> list[Option]:
         full = [plan for plan in plans if plan[1]]
         blocks = [full[begin : begin + TOGETHER] for begin in range(0, len(full), TOGETHER)]
-        return [option for found in side_by_side(seen_together, blocks) for option in found]
+        return [option for found in parallel_map(seen_together, blocks) for option in found]
 
     def not_measured(posture: CampaignPosture, rows: Sequence[tuple[Place, Place]]) -> Plan:
         return posture, _not_measured(bench, posture, rows)
@@ -134,7 +134,7 @@ def next_among_records(
     judged: list[Option] = []
     for kind in (plain, elsewhere, held):
         again = partial(_refitted, bench=bench, models=models, lines=lines, noise=noise)
-        judged += side_by_side(again, _best(kind, CLOSER))
+        judged += parallel_map(again, _best(kind, CLOSER))
         if judged and _best(judged, 1)[0].doubt < math.log(NO_DOUBT):
             break
     return _told(_best(judged, 1)[0], models, new)

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.search.lines import CLOSE, some_lines
 from flexmodal.diagnosis.search.refine import STEPS as REFINED
 from flexmodal.diagnosis.search.refine import Rounds, refined
@@ -121,7 +121,7 @@ def fitted_to_everything(setup: Setup, model: FittedFrfs) -> FittedFrfs:
     if has_law(model.hypothesis):
         far = again(FAR)
         return far if _posterior(far) <= _posterior(model) else min(far, again(LAST), key=_posterior)
-    tried = side_by_side(again, (FAR, LAST))
+    tried = parallel_map(again, (FAR, LAST))
     return _without_idle_parts(setup, min(tried, key=lambda one: one.fitted.cost))
 
 

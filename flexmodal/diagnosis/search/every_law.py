@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.effect import Effect, Level
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import seen_beside
 from flexmodal.diagnosis.search.close_fit import tried_closely
@@ -93,13 +93,13 @@ class _Trials:
         turns, done = [_Turn(Level.anew(effect), where) for effect, where in laws], 0.0
         while turns:
             begun = list[list[Candidate]]()
-            for some in side_by_side(self.begun, turns):
+            for some in parallel_map(self.begun, turns):
                 begun.append(some)
                 advance("trying every law", done + 0.5 * (1 - done) * len(begun) / len(turns))
             self.least = min([self.least, *(one.cost for some in begun for one in some)])
             done = done + 0.5 * (1 - done)
             there = [(turn, some) for turn, some in zip(turns, begun, strict=True) if some]
-            ended = side_by_side(self.furthest, [some for _, some in there])
+            ended = parallel_map(self.furthest, [some for _, some in there])
             turns = []
             for (turn, _), reached in zip(there, ended, strict=True):
                 yield Tried(reached, turn.narrower)

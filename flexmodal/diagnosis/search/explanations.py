@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Effect
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import both_beside
 from flexmodal.diagnosis.search.close_fit import FAR_OFF, tried_closely
@@ -75,7 +75,7 @@ def explanations(
     looked = _looked_at(setup, finalists, enough, lambda part: advance(0.6 + 0.3 * part))
     looked.sort(key=lambda one: one.cost)
     if one_is_enough and looked and over_noise(setup, looked[0]) > enough:
-        again = side_by_side(lambda one: _elsewhere(setup, seen, one, set_out), looked[:AGAIN])
+        again = parallel_map(lambda one: _elsewhere(setup, seen, one, set_out), looked[:AGAIN])
         looked = [*again, *looked[AGAIN:]]
         looked.sort(key=lambda one: one.cost)
     if looked:
@@ -113,7 +113,7 @@ def from_each_start(
         seen = integrated if placed.effect.by_force else plain
         some = seen.started(hypothesis, tried, FIRST_FLOOR, followed)
         near = come_nearer(some, seen) if has_law(hypothesis) else some
-        tried_each = side_by_side(lambda one: tried_closely(setup, one.hypothesis, one.x), near)
+        tried_each = parallel_map(lambda one: tried_closely(setup, one.hypothesis, one.x), near)
         for number in range(len(near)):
             setup.advance("fitting where a look points", number / len(near))
             fitted = next(tried_each)
@@ -162,7 +162,7 @@ def _looked_at(
     far = FAR_BEHIND
     for first in (True, False):
         some = [one for one, is_near in zip(finalists, near, strict=True) if is_near is first]
-        for found in side_by_side(fitted, [(one, one.cost <= far * least) for one in some]):
+        for found in parallel_map(fitted, [(one, one.cost <= far * least) for one in some]):
             looked += found
             advance(len(looked) / len(finalists))
         if any(over_noise(setup, one) <= enough for one in looked):

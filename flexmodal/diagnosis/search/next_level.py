@@ -11,7 +11,7 @@ from jaxtyping import Float
 from flexmodal.diagnosis.effects.context import Context
 from flexmodal.diagnosis.effects.effect import Effect, Level
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.beside import seen_beside
 from flexmodal.diagnosis.search.close_fit import tried_closely
@@ -109,11 +109,11 @@ def _followed(
     todo = seen.started(hypothesis, tried, *rounds[0][::2])
     for number, (floor, steps, keep) in enumerate(rounds[1:]):
         setup.advance("fitting a wider law", number / len(rounds))
-        nearer = side_by_side(partial(seen.fitted, floor=floor, steps=steps), todo)
+        nearer = parallel_map(partial(seen.fitted, floor=floor, steps=steps), todo)
         todo = sorted(nearer, key=lambda one: one.cost)[:keep]
     found: list[FittedFrfs] = []
     todo = todo[:1] if has_law(hypothesis.without(hypothesis.keys[-1])) else todo
-    closely = side_by_side(lambda one: tried_closely(setup, hypothesis, one.x), todo)
+    closely = parallel_map(lambda one: tried_closely(setup, hypothesis, one.x), todo)
     for _ in todo:
         setup.advance("fitting a wider law", 1 - 1 / len(rounds))
         fitted = next(closely)

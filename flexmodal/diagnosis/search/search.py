@@ -19,7 +19,7 @@ from jaxtyping import Float
 
 from flexmodal.diagnosis.effects.effect import Effect
 from flexmodal.diagnosis.hypothesis import Hypothesis
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.coarse import Candidate, Look
 from flexmodal.diagnosis.search.set_out import SetOut
@@ -70,7 +70,7 @@ def candidates(
         return [one for tried in every for one in look.started(hypothesis, tried, ROUNDS[0][0], STARTS)]
 
     todo = [one for one in todo if one.key not in root.keys and allowed(*one.key)]
-    return [one for found in side_by_side(begun, todo) for one in found]
+    return [one for found in parallel_map(begun, todo) for one in found]
 
 
 def narrowed(
@@ -97,7 +97,7 @@ def narrowed(
     first = todo[0].key if slow else None
     for round_number, (floor, steps, keep) in enumerate(rounds):
         done = []
-        fitted = side_by_side(partial(look.fitted, floor=floor, steps=steps), todo)
+        fitted = parallel_map(partial(look.fitted, floor=floor, steps=steps), todo)
         for number, one in enumerate(fitted, start=1):
             done.append(one)
             advance((round_number + number / len(todo)) / len(rounds))
@@ -139,7 +139,7 @@ def come_nearer(found: Sequence[Candidate], look: Look) -> list[Candidate]:
         look: the coarse look.
     """
     for floor, steps, keep in INTEGRATED_ROUNDS:
-        fitted = side_by_side(partial(look.fitted, floor=floor, steps=steps), found)
+        fitted = parallel_map(partial(look.fitted, floor=floor, steps=steps), found)
         found = sorted(fitted, key=lambda one: one.cost)[:keep]
     return list(found)
 
@@ -164,7 +164,7 @@ def restarted(
     todo = look.started(hypothesis, starts, RESTARTS[0][0], TRIED)
     todo += [Candidate(hypothesis, one, np.inf) for one in _aside(hypothesis, x)]
     for floor, steps, keep in RESTARTS:
-        fitted = side_by_side(partial(look.fitted, floor=floor, steps=steps), todo)
+        fitted = parallel_map(partial(look.fitted, floor=floor, steps=steps), todo)
         todo = sorted(fitted, key=lambda one: one.cost)[:keep]
     return todo[0]
 

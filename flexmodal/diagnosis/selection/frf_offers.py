@@ -12,18 +12,15 @@ from flexmodal.diagnosis.lawfree.effects_at import DOES_MUCH, PORT_OF
 from flexmodal.diagnosis.lawfree.look import SOUND
 from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.names import UNSTRUCTURED
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.search.explanations import best_of_each
 from flexmodal.diagnosis.selection.confidence import explains
 from flexmodal.diagnosis.selection.data import Data
 from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
-from flexmodal.diagnosis.selection.frf_thresholds import LIKELY, NOT_FAR_BEHIND
+from flexmodal.diagnosis.selection.frf_thresholds import LIKELY, NOT_FAR_BEHIND, REMEMBERED
 from flexmodal.diagnosis.selection.in_its_stead import Refits, also
 from flexmodal.diagnosis.setup import Setup
-
-REMEMBERED = 4
-"""Effects of the last comparison that are tried beside the one that was added, at most."""
 
 
 class FrfsOffered(Data[FittedFrfs]):
@@ -60,7 +57,7 @@ class FrfsOffered(Data[FittedFrfs]):
         new = [one for one in others if one.hypothesis.placed and one.key not in model.hypothesis.keys]
         new = [one for one in new if one.key[0] != UNSTRUCTURED]
         tried = sorted(new, key=lambda one: one.cost)[:REMEMBERED]
-        fitted = side_by_side(partial(also, self.setup, model), tried)
+        fitted = parallel_map(partial(also, self.setup, model), tried)
         return [model, *(found for each in fitted for found in each)]
 
     def instead(self, model: FittedFrfs, key: tuple[str, str], *, anyway: bool = False) -> list[FittedFrfs]:

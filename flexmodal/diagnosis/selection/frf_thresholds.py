@@ -30,6 +30,8 @@ took at most 0.50, or were not so sure."""
 NOT_FAR_BEHIND, LIKELY = 1.5, 2
 """Times what an effect left when it was added that another one left, to be tried in its place once others are
 there, and how many of these are."""
+REMEMBERED = 4
+"""Effects of the last comparison that are tried beside the one that was added, at most."""
 CLEARLY = 2.0
 """Times by which the misfits of all other places have to exceed that of a single effect with its function
 free, for it to be named where it leaves more than noise."""

@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 
 from flexmodal.diagnosis.effects import Effect
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.search.close_fit import fitted_closely, tried_closely
 from flexmodal.diagnosis.selection.comparison import Comparison
 from flexmodal.diagnosis.selection.confidence import ALONE, PIECES, figures_of, probabilities
@@ -70,7 +70,7 @@ class Refits:
         """
         self._of(model)
         new = [key for key in keys if key not in self._less]
-        self._less |= zip(new, side_by_side(partial(without, self.setup, model), new), strict=True)
+        self._less |= zip(new, parallel_map(partial(without, self.setup, model), new), strict=True)
         return [self._less[key] for key in keys]
 
     def instead(self, model: FittedFrfs, key: Key, others: Sequence[FittedFrfs]) -> list[FittedFrfs]:
@@ -81,20 +81,11 @@ class Refits:
             key: its name and place.
             others: models whose last effects are put in its place.
         """
-        return self.instead_of_each(model, [(key, other) for other in others])
-
-    def instead_of_each(self, model: FittedFrfs, pairs: Sequence[tuple[Key, FittedFrfs]]) -> list[FittedFrfs]:
-        """The same with each of some effects in place of one.
-
-        Args:
-            model: with effects.
-            pairs: name and place of the one, and a model whose last effect is put in its place.
-        """
         self._of(model)
-        laws = [(key, other.hypothesis.placed[-1]) for key, other in pairs]
-        told = [(key, law.effect, law.where) for key, law in laws]
-        new = dict((one, pair) for one, pair in zip(told, pairs, strict=True) if one not in self._instead)
-        fitted = side_by_side(lambda pair: in_its_stead(self.setup, model, *pair), new.values())
+        laws = [other.hypothesis.placed[-1] for other in others]
+        told = [(key, law.effect, law.where) for law in laws]
+        new = {one: other for one, other in zip(told, others, strict=True) if one not in self._instead}
+        fitted = parallel_map(partial(in_its_stead, self.setup, model, key), new.values())
         self._instead |= zip(new, fitted, strict=True)
         return [found for one in told for found in self._instead[one]]
 

@@ -11,9 +11,10 @@ from functools import cached_property, partial
 
 import pytest
 
-from flexmodal.diagnosis.parallel import side_by_side as module
+from flexmodal.cli.diagnose import diagnose
+from flexmodal.diagnosis.parallel import parallel_map as module
 from flexmodal.diagnosis.parallel import workers
-from flexmodal.diagnosis.parallel.side_by_side import side_by_side
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.parallel.workers import ENOUGH, MOST, VARIABLE, free_cores, is_helper, working_on
 from flexmodal.diagnosis.time_limit import OutOfTime, TimeLimit
 from flexmodal.errors import FlexmodalError, InvalidRequest
@@ -52,7 +53,7 @@ def slowly(number: int) -> tuple[int, int]:
 @copies
 def test_results_come_in_order_from_several_processes():
     with working_on(3):
-        found = list(side_by_side(slowly, range(12)))
+        found = list(parallel_map(slowly, range(12)))
     assert [number for number, _ in found] == list(range(12))
     processes = {process for _, process in found}
     assert os.getpid() in processes
@@ -61,28 +62,33 @@ def test_results_come_in_order_from_several_processes():
 
 def test_one_worker_is_a_map():
     with working_on(1):
-        found = list(side_by_side(slowly, range(2)))
+        found = list(parallel_map(slowly, range(2)))
     assert [process for _, process in found] == [os.getpid()] * 2
-    assert [process for _, process in side_by_side(slowly, range(2))] == [os.getpid()] * 2
+    assert [process for _, process in parallel_map(slowly, range(2))] == [os.getpid()] * 2
 
 
 def test_other_systems_do_everything_here(monkeypatch):
     monkeypatch.setattr(module.sys, "platform", "win32")
     with working_on(4):
-        assert [process for _, process in side_by_side(slowly, range(3))] == [os.getpid()] * 3
+        assert [process for _, process in parallel_map(slowly, range(3))] == [os.getpid()] * 3
+
+
+def closed_over(look: Look) -> Callable[[int], object]:
+    def at(number):
+        return look.at(number)
+
+    return at
 
 
 @copies
-@pytest.mark.parametrize(
-    "of", [lambda look: look.at, lambda look: partial(Look.at, look), lambda look: lambda k: (look.at(k))[:]]
-)
+@pytest.mark.parametrize("of", [lambda look: look.at, lambda look: partial(Look.at, look), closed_over])
 def test_what_was_there_before_is_the_same_object_afterwards(of):
     look = Look(Arm("here"))
     others = [Arm("given"), Arm("given"), Arm("given")]
     with working_on(2):
-        found = list(side_by_side(of(look), range(4)))
-        back = list(side_by_side(lambda one: (slowly(1), one), others))
-        made = list(side_by_side(lambda number: (slowly(1), [str(number)] * 2), range(4)))
+        found = list(parallel_map(of(look), range(4)))
+        back = list(parallel_map(lambda one: (slowly(1), one), others))
+        made = list(parallel_map(lambda number: (slowly(1), [str(number)] * 2), range(4)))
     assert all(arm is look.arm for arm, _ in found)
     assert [one for _, one in back] == others
     assert made[3][1] == ["3", "3"]
@@ -109,7 +115,7 @@ def test_what_follows_from_fields_is_not_sent():
         return one, one.twice() == 2 * number, os.getpid()
 
     with working_on(2):
-        found = list(side_by_side(made, range(4)))
+        found = list(parallel_map(made, range(4)))
     assert [one.number for one, right, _ in found if right] == [0, 1, 2, 3]
     assert {"twice" in vars(one) for one, *_ in found} == {False, True}
     assert [one.twice() for one, *_ in found] == [0, 2, 4, 6]
@@ -125,11 +131,11 @@ def test_what_fails_is_raised_when_its_turn_comes():
         return number
 
     with working_on(2):
-        going, found = side_by_side(fails, range(6)), []
+        going, found = parallel_map(fails, range(6)), []
         with pytest.raises(ValueError, match="number 2"):
             found.extend(one for one in going)
-        assert [next(side_by_side(fails, range(3)))] == [0]
-        going, found = side_by_side(fails, range(6)), []
+        assert [next(parallel_map(fails, range(3)))] == [0]
+        going, found = parallel_map(fails, range(6)), []
         found += [next(going), next(going)]
     assert found == [0, 1]
 
@@ -137,7 +143,7 @@ def test_what_fails_is_raised_when_its_turn_comes():
 @copies
 def test_who_asks_for_no_more_leaves_no_helper():
     with working_on(4):
-        for _ in side_by_side(lambda number: time.sleep(0.0 if number < 4 else 1.0), range(1000)):
+        for _ in parallel_map(lambda number: time.sleep(0.0 if number < 4 else 1.0), range(1000)):
             break
     assert multiprocessing.active_children() == []
 
@@ -152,7 +158,7 @@ def test_a_helper_that_was_killed_is_told():
         time.sleep(0.2)
 
     with working_on(2), pytest.raises(FlexmodalError, match="helping process was killed"):
-        list(side_by_side(ends, range(4)))
+        list(parallel_map(ends, range(4)))
 
 
 @copies
@@ -164,21 +170,19 @@ def test_what_cannot_be_sent_is_told():
         return number if os.getpid() == here else (lambda: number)
 
     with working_on(2), pytest.raises(FlexmodalError, match="cannot be sent"):
-        list(side_by_side(made, range(4)))
+        list(parallel_map(made, range(4)))
 
 
 @copies
 def test_helpers_have_no_helpers_and_buy_nothing():
     def inside(number):
         time.sleep(0.1)
-        with working_on(1) if not is_helper() else working_on(7):
-            pass
         bought = worth.is_worth_it("nothing", 1e9, 0.0, lambda: True) if is_helper() else False
-        return os.getpid(), is_helper(), free_cores(), bought, list(side_by_side(slowly, [1, 2]))
+        return os.getpid(), is_helper(), free_cores(), bought, list(parallel_map(slowly, [1, 2]))
 
     with working_on(2):
         assert free_cores() == 2
-        found = list(side_by_side(inside, range(4)))
+        found = list(parallel_map(inside, range(4)))
     assert {helps for _, helps, *_ in found} == {False, True}
     for process, _, cores, bought, nested in found:
         assert (cores, bought) == (1, False)
@@ -194,7 +198,7 @@ def test_a_large_result_does_not_stop_a_helper():
         return bytes(1 << 20), os.getpid(), time.sleep(0.05)
 
     with working_on(2):
-        found = list(side_by_side(made, range(6)))
+        found = list(parallel_map(made, range(6)))
     assert all(len(some) == 1 << 20 for some, *_ in found)
     assert len({process for _, process, _ in found}) == 2
 
@@ -212,7 +216,7 @@ def test_time_that_is_up_ends_what_helpers_do_and_progress_is_told_here_alone(as
                 advance("here", 0.0)
 
     with working_on(2, limit.check), pytest.raises(OutOfTime), limit.counting():
-        list(side_by_side(asks, range(2)))
+        list(parallel_map(asks, range(2)))
     assert limit.was_hit
     assert set(told) <= {here}
     assert multiprocessing.active_children() == []
@@ -235,3 +239,8 @@ def test_how_many_there_are_where_nobody_says(monkeypatch):
     for number in (0, -3, MOST + 1):
         with pytest.raises(InvalidRequest, match=f"workers.*{number}.*1 to {MOST}"), working_on(number):
             pass
+
+
+def test_the_command_allows_as_many():
+    (option,) = (one for one in diagnose.params if one.name == "workers")
+    assert (option.type.min, option.type.max) == (1, MOST)

@@ -13,14 +13,14 @@ import sys
 from collections.abc import Callable, Iterable, Iterator
 from typing import TypeVar
 
-from flexmodal.diagnosis.parallel.team import TOKENS, Team
+from flexmodal.diagnosis.parallel.pool import TOKENS, Pool
 from flexmodal.diagnosis.parallel.workers import number_of_workers
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
-def side_by_side(call: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
+def parallel_map(call: Callable[[Item], Result], items: Iterable[Item]) -> Iterator[Result]:
     """What a function makes of each of some things, in their order, each as soon as it and those before are.
 
     Who asks for no more ends what is still going on.
@@ -38,13 +38,13 @@ def side_by_side(call: Callable[[Item], Result], items: Iterable[Item]) -> Itera
     if number < 2:
         yield from map(call, todo)
         return
-    team = Team(call, todo)
+    pool = Pool(call, todo)
     try:
-        team.start(number - 1)
+        pool.start(number - 1)
         for turn in range(len(todo)):
-            yield team.result(turn)
+            yield pool.result(turn)
     finally:
-        team.end()
+        pool.end()
 
 
 def _can_be_copied() -> bool:

@@ -35,14 +35,14 @@ class _Raised:
         self.error = error
 
 
-class Team(Generic[Item, Result]):
+class Pool(Generic[Item, Result]):
     """This process and its helpers at work on some things; whoever is free takes the next one."""
 
     def __init__(self, call: Callable[[Item], Result], items: Sequence[Item]) -> None:
         """Nobody works yet.
 
         Args:
-            call: see `side_by_side`.
+            call: see `parallel_map`.
             items: the things, `TOKENS` at most.
         """
         self._call, self._items = call, items
@@ -132,9 +132,8 @@ class Team(Generic[Item, Result]):
 
     def _help(self, pipe: Connection, readers: Sequence[Connection]) -> None:
         """Work on things until none is left, and send what comes of each while the next is worked on."""
-        signal.signal(
-            signal.SIGINT, signal.SIG_IGN
-        )  # which ends the process that was copied, and that this one
+        # An interruption ends the process that was copied, and that ends this one.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         for reader in readers:  # so that nothing is sent to nobody
             reader.close()
         become_helper()
