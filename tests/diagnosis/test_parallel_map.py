@@ -23,6 +23,9 @@ from flexmodal.frf.kernels import worth
 copies = pytest.mark.skipif(sys.platform != "linux", reason="processes are copied on Linux only")
 
 
+KINDS = ("on disk", "not on disk")
+
+
 @dataclass(frozen=True, eq=False)
 class Arm:
     """Of the package as far as that is asked; compared by identity."""
@@ -174,20 +177,41 @@ def test_what_cannot_be_sent_is_told():
 
 
 @copies
-def test_helpers_have_no_helpers_and_buy_nothing():
+def test_helpers_have_no_helpers():
     def inside(number):
         time.sleep(0.1)
-        bought = worth.is_worth_it("nothing", 1e9, 0.0, lambda: True) if is_helper() else False
-        return os.getpid(), is_helper(), free_cores(), bought, list(parallel_map(slowly, [1, 2]))
+        return os.getpid(), is_helper(), free_cores(), list(parallel_map(slowly, [1, 2]))
 
     with working_on(2):
         assert free_cores() == 2
         found = list(parallel_map(inside, range(4)))
     assert {helps for _, helps, *_ in found} == {False, True}
-    for process, _, cores, bought, nested in found:
-        assert (cores, bought) == (1, False)
+    for process, _, cores, nested in found:
+        assert cores == 1
         assert [one for _, one in nested] == [process] * 2
     assert not is_helper()
+
+
+@copies
+def test_compiled_code_is_worth_its_start_in_helpers_too_and_their_work_counts_here(monkeypatch):
+    """A helper that went on without it had taken 54 s for what takes 7 with it."""
+    monkeypatch.setattr(worth, "_spent", type(worth._spent)(float))
+    monkeypatch.setattr(worth, "_stored", {})
+
+    def inside(number):
+        time.sleep(0.1)
+        helps = is_helper()
+        return helps, helps and [
+            worth.is_worth_it(kind, 1.0, 1e9, lambda kind=kind: kind == "on disk") for kind in KINDS
+        ]
+
+    with working_on(2):
+        found = list(parallel_map(inside, range(6)))
+    bought = [some for helps, some in found if helps]
+    assert bought
+    assert [on_disk for on_disk, _ in bought] == [True] * len(bought)
+    assert not any(other for _, other in bought)
+    assert worth.spent() == dict.fromkeys(KINDS, 1.0 * len(bought))
 
 
 @copies

@@ -8,14 +8,14 @@ import pickle
 import signal
 import threading
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from multiprocessing.connection import Connection, wait
 from typing import Any, Generic, TypeVar
 
 from flexmodal.diagnosis.parallel.by_reference import held_by, received, sent
 from flexmodal.diagnosis.parallel.workers import become_helper, check, one_of_several
 from flexmodal.errors import FlexmodalError
-from flexmodal.frf.kernels.worth import stop_counting
+from flexmodal.frf.kernels import worth
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -33,6 +33,12 @@ class _Raised:
 
     def __init__(self, error: BaseException) -> None:
         self.error = error
+
+
+def _since(begun: Mapping[Hashable, float]) -> dict[Hashable, float]:
+    """Seconds worked without compiled code, by kind of work, since they were so many."""
+    now = worth.spent()
+    return {kind: now[kind] - begun.get(kind, 0.0) for kind in now if now[kind] != begun.get(kind)}
 
 
 class Pool(Generic[Item, Result]):
@@ -123,7 +129,8 @@ class Pool(Generic[Item, Result]):
                 told = pipe.recv_bytes()
             except EOFError:
                 raise FlexmodalError("a helping process was killed, perhaps for want of memory") from None
-            number, made = received(told, self._known)
+            number, made, spent = received(told, self._known)
+            worth.count(spent)
             if number is None:
                 self._helpers.pop(pipe).join()
                 pipe.close()
@@ -131,19 +138,23 @@ class Pool(Generic[Item, Result]):
                 self._done[number] = made
 
     def _help(self, pipe: Connection, readers: Sequence[Connection]) -> None:
-        """Work on things until none is left, and send what comes of each while the next is worked on."""
+        """Work on things until none is left, and send what comes of each while the next is worked on.
+
+        How long that took without compiled code is sent along, so that this is worth its start some time in
+        the process that was copied, and so in copies to come.
+        """
         # An interruption ends the process that was copied, and that ends this one.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         for reader in readers:  # so that nothing is sent to nobody
             reader.close()
         become_helper()
-        stop_counting()
+        begun = worth.spent()
         sending: threading.Thread | None = None
         number: int | None = -1
         while number is not None:
             number = self._next()
             made = None if number is None else self._made(number)
-            told = self._told(number, made)
+            told, begun = self._told(number, made, _since(begun)), worth.spent()
             if sending is not None:
                 sending.join()
             sending = threading.Thread(target=pipe.send_bytes, args=(told,))
@@ -151,9 +162,9 @@ class Pool(Generic[Item, Result]):
         if sending is not None:
             sending.join()
 
-    def _told(self, number: int | None, made: Any) -> bytes:
+    def _told(self, number: int | None, made: Any, spent: Mapping[Hashable, float]) -> bytes:
         """A result as bytes; in its stead why it cannot be told."""
         try:
-            return sent((number, made), self._known)
+            return sent((number, made, spent), self._known)
         except (pickle.PicklingError, TypeError, AttributeError) as error:
-            return sent((number, _Raised(FlexmodalError(f"cannot be sent: {error}"))), self._known)
+            return sent((number, _Raised(FlexmodalError(f"cannot be sent: {error}")), {}), self._known)

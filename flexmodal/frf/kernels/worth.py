@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
 
 IMPORT, LOAD = 0.7, 0.05
 """Seconds to import numba, and to read a function from disk; processor time of a core of 2020."""
@@ -25,12 +25,20 @@ _stored: dict[Hashable, bool] = {}
 _stored_at_first: dict[Hashable, bool] = {}
 """The same, for work that is not counted."""
 
-_counting = [True]
+
+def spent() -> dict[Hashable, float]:
+    """Seconds that compiled code would have saved this process so far, by kind of work."""
+    return dict(_spent)
 
 
-def stop_counting() -> None:
-    """In a process that ends soon: what it has not bought by now it goes on renting."""
-    _counting[0] = False
+def count(elsewhere: Mapping[Hashable, float]) -> None:
+    """Count work that another process has done for this one.
+
+    Args:
+        elsewhere: seconds by kind of work.
+    """
+    for kind, seconds in elsewhere.items():
+        _spent[kind] += seconds
 
 
 def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: Callable[[], bool]) -> bool:
@@ -42,8 +50,7 @@ def is_worth_it(kind: Hashable, seconds: float, compilation: float, is_stored: C
         compilation: seconds that it takes to compile that code.
         is_stored: says whether it is on disk already.
     """
-    if _counting[0]:
-        _spent[kind] += seconds
+    _spent[kind] += seconds
     price = LOAD + (0.0 if "numba" in sys.modules else IMPORT)
     if _spent[kind] < price:
         return False
