@@ -11,9 +11,10 @@ from flexmodal.identification import fit, observe, predict
 from flexmodal.identification.gap import gap
 from flexmodal.identification.model import RobotModel
 from flexmodal.identification.sensitivities import Sensitivities, moved, nuisances_of
+from flexmodal.identification.set_up_step import PLAUSIBLE
 from flexmodal.identification.setting_up import far_words
 from flexmodal.identification.tolerance import as_set_up
-from flexmodal.rig import simulate
+from flexmodal.rig import Hide, simulate
 from flexmodal.structure import robot_space
 
 GIVEN = Tolerance(posture=0.01, position=0.004, direction=0.02, gain=0.03)
@@ -116,6 +117,28 @@ def test_what_lies_far_outside_is_told_or_left_to_an_effect(made):
     assert f"angle of q2 in {last.name}" in words
     kept = as_set_up(off, robot, robot_space(robot), far=False)
     assert all(one.nuisance.kind == "posture" or not one.is_far for one in kept.found)
+    turned = as_set_up(moved(seen, [(angle, -0.06)]), robot, robot_space(robot), far=False)
+    assert [one.nuisance for one in turned.found if one.is_far] == [angle]  # it explains what is seen
+
+
+@pytest.mark.slow
+def test_angles_do_not_make_up_for_what_is_missing():
+    """Of a foundation that gives: all in all they stay as near as their tolerances let expect."""
+    result = simulate(
+        flexmodal.load("fanuc_s360"), postures=3, points=3, references=2, trials=2, averages=2, seed=7,
+        record_length=2.0, band=(2.0, 120.0), hide=[Hide("base_flexibility", "base", height=60.0)],
+        parameter_error=0.02, time=False,
+    )  # fmt: skip
+    missing, robot = observe(replace(result.campaign, tolerance=GIVEN)), result.robot
+
+    def squares(far):
+        found = as_set_up(missing, robot, robot_space(robot), far=far).found
+        return [(one.value / GIVEN.posture) ** 2 for one in found if one.nuisance.kind == "posture"]
+
+    count = sum(one.kind == "posture" for one in nuisances_of(missing))
+    most = count + PLAUSIBLE * np.sqrt(2 * count)
+    assert sum(squares(far=True)) > 2 * most
+    assert 0 < sum(squares(far=False)) <= most
 
 
 @pytest.mark.slow
