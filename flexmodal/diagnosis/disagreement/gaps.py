@@ -57,13 +57,28 @@ def gaps_of(setup: Setup, before: FittedFrfs, after: FittedFrfs, believed: float
 def over_noise(setup: Setup, one: FittedFrfs, keep: Bool[np.ndarray, " observation"] | None = None) -> float:
     """Distance from the averages over that of their noise, on some of the observations; 1 if perfect.
 
-    Other than the gap it does not drown in the noise of single records and of points that hardly move.
+    Other than the gap it does not drown in the noise of single records and of points that hardly move. Where
+    a test was not set up exactly, what is held out has the variance of its tolerances, many times that of the
+    noise; it counts by the number of its lines then, lest all the others drown in it.
 
     Args:
         setup: what the diagnosis works with.
         one: the model.
         keep: observations that count; all if None.
     """
+    if setup.said is None:
+        return _over_noise(setup, one, keep)
+    kept = np.ones(len(setup.held), dtype=bool) if keep is None else keep
+    parts = [kept & ~setup.held, kept & setup.held]
+    lines = [int(setup.observations.used[part].sum()) for part in parts]
+    if not all(lines):
+        return _over_noise(setup, one, kept)
+    far = [_over_noise(setup, one, part) for part in parts]
+    return float(np.sqrt(np.average(np.square(far), weights=lines)))
+
+
+def _over_noise(setup: Setup, one: FittedFrfs, keep: Bool[np.ndarray, " observation"] | None) -> float:
+    """The same, all of what counts taken together."""
     if keep is None:
         return averages_over_noise(setup.observations, one.predicted)
     return averages_over_noise(setup.observations.keeping(keep), one.predicted[keep])
