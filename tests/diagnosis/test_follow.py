@@ -200,6 +200,39 @@ def test_only_what_was_not_far_behind_is_tried_in_its_stead(monkeypatch):
     assert candidates.considered(model, MASS, 2.0) == [found[1]]
 
 
+class Tolerant(World):
+    """How the test was set up can be seen beside what does best, of which some go on."""
+
+    def __init__(self, left, several, moves=True):
+        super().__init__(left)
+        self.several, self.moves, self.first = several, moves, []
+
+    def at_first(self, before, number):
+        self.first.append(before.keys)
+        return [before, *(Model((*before.keys, key)) for key in (MASS, LINK) if key not in before.keys)]
+
+    def lacks_several(self, model):
+        return self.several
+
+    def set_up_anew(self, models):
+        return (self, [Model(one.keys) for one in models]) if self.moves else None
+
+
+@pytest.mark.parametrize(
+    ("several", "moves", "takes", "looked"),
+    [(True, True, 70, 0), (False, True, 70, 2), (True, False, 70, 2), (True, True, 20, 1)],
+)
+def test_what_takes_a_good_part_as_the_test_is_set_up_then_is_added_at_once(several, moves, takes, looked):
+    """Where several are missing; elsewhere it is looked for more beside what was there before."""
+    left = {frozenset(): 100.0, frozenset({MASS}): 100.0 - takes, frozenset({LINK}): 99.0}
+    left[frozenset({MASS, LINK})] = NOISE / 2
+    selection = Selection(Tolerant(lambda keys: left.get(keys, 150.0), several, moves))
+    assert selection.follow()
+    assert set(steps(selection)) == {MASS, LINK}
+    assert selection.data.first == [(), (MASS,)]
+    assert len(selection.data.looked) == looked
+
+
 class Stuck(World):
     """With the narrow law of one effect nothing takes anything; with a wider one a mass takes the rest."""
 

@@ -12,12 +12,15 @@ from flexmodal.diagnosis import diagnose
 from flexmodal.diagnosis.disagreement.gaps import as_believed, over_noise
 from flexmodal.diagnosis.effects import Context, catalogue
 from flexmodal.diagnosis.hypothesis import Hypothesis
+from flexmodal.diagnosis.lawfree.first_look import LooksWithoutLaw
+from flexmodal.diagnosis.lawfree.result import Findings
 from flexmodal.diagnosis.names import UNSTRUCTURED
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.diagnosis.search.close_fit import fitted_closely, fitted_to_everything
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
-from flexmodal.diagnosis.selection import set_up_anew
+from flexmodal.diagnosis.selection import frf_data, set_up_anew
 from flexmodal.diagnosis.selection.decision import Answer
+from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_data import FrfData
 from flexmodal.diagnosis.selection.set_up_anew import (
@@ -128,6 +131,34 @@ def test_in_the_end_all_models_are_seen_where_the_test_is_thought_to_be_set_up(f
     assert conclusion.gaps.believed == gap(seen, card).value
 
 
+@pytest.mark.parametrize(
+    ("explains", "enough", "known"), [(False, 0.0, True), (False, 99.0, False), (True, 0.0, False)]
+)
+def test_the_look_beside_the_robot_stays_where_more_than_one_effect_is_missing(
+    monkeypatch, fitted, explains, enough, known
+):
+    """Beside a test that is set up otherwise; where one may be all that is missing it is taken anew."""
+    setup, models = fitted
+    data, look = FrfData.__new__(FrfData), Mock(spec=Findings, explains=explains)
+    data.setup, data.modes = setup, None
+    data._candidates = Mock(spec=FrfCandidates, looks=Mock(spec=LooksWithoutLaw, one=look))
+    monkeypatch.setattr(frf_data, "seen_anew", lambda setup, models: (setup, list(models)))
+    monkeypatch.setattr(frf_data, "fitted_closely", lambda *told: models[0])
+    monkeypatch.setattr(frf_data, "EXPLAINED", enough)
+    anew = Mock(spec=Findings)
+    monkeypatch.setattr(LooksWithoutLaw, "_alone", None)
+    monkeypatch.setattr("flexmodal.diagnosis.lawfree.first_look.summed_up", lambda *told: anew)
+    monkeypatch.setattr(LooksWithoutLaw, "_seen", None)
+    other, again = data.set_up_anew(models)
+    assert again == models
+    assert other.look is (look if known else anew)
+    two = models[1].hypothesis.and_also(models[2].hypothesis.placed[-1])
+    beside = replace(models[1], hypothesis=two, key=two.keys[-1])
+    assert other._candidates.considered(replace(beside, hypothesis=models[1].hypothesis), models[1].key) == [
+        models[2]
+    ]  # what may be in its place, where it is asked later how sure it is
+
+
 @pytest.mark.slow
 def test_a_diagnosis_names_what_it_could_not_tell_from_the_set_up(made):
     """And what it has for every posture in the end, the one held out too, is at the noise of the averages."""
@@ -154,8 +185,24 @@ def test_the_nearest_models_are_tried_but_none_without_a_law(fitted):
     odd = replace(models[1], key=(UNSTRUCTURED, ""))
     every = nearest(setup, [*models, odd])
     assert len(every) == TRIED
-    assert every[0] is models[1]
+    assert every == sorted(models[1:], key=lambda one: over_seen(setup, one))
+    assert nearest(setup, models, 1) == every[:1]
     assert odd not in every
+
+
+def test_what_was_fitted_does_not_drown_in_the_tolerances_of_what_is_held_out(fitted):
+    """Their variance is many times that of the noise; with it as one sum anything would leave nothing."""
+    setup, (bare, *_) = fitted
+    held, seen = setup.held, setup.observations
+    wide = replace(seen, variance=seen.variance * np.where(held, 1e4, 1.0)[:, None])
+    loose = replace(setup, observations=wide)
+    near = over_noise(setup, bare, ~held)
+    assert over_noise(replace(loose, said=None), bare) < 0.3 * near
+    part = seen.used[~held].sum() / seen.used.sum()
+    expected = np.sqrt(part * near**2 + (1 - part) * over_noise(loose, bare, held) ** 2)
+    assert over_noise(loose, bare) == pytest.approx(expected)
+    assert over_noise(loose, bare) > 0.8 * near
+    assert over_noise(loose, bare, ~held) == near
 
 
 def test_a_mode_without_structure_is_looked_for_again(fitted):

@@ -42,15 +42,18 @@ Judge = Callable[[FittedFrfs], bool]
 class FrfCandidates(WiderLaws):
     """Where looks point, by wider laws too; what was found beside the same effects before holds."""
 
-    def __init__(self, setup: Setup, root: FittedFrfs, *, with_force: bool) -> None:
-        """Nothing is looked at yet.
+    def __init__(
+        self, setup: Setup, root: FittedFrfs, *, with_force: bool, known: Findings | None = None
+    ) -> None:
+        """Nothing is fitted yet.
 
         Args:
             setup: what the diagnosis works with.
             root: the robot re-tuned.
             with_force: whether FRFs change with the force of the blow, or may.
+            known: the look beside the re-tuned robot, if that is known.
         """
-        super().__init__(setup, root, with_force=with_force)
+        super().__init__(setup, root, with_force=with_force, known=known)
         self._placed: dict[tuple[object, ...], tuple[float, list[FittedFrfs]]] = {}
         self._narrow: dict[FittedFrfs, list[FittedFrfs]] = {}
 

@@ -15,6 +15,7 @@ from flexmodal.diagnosis.findings import Findings, ModesSeen
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.lawfree.afresh import NEARLY
 from flexmodal.diagnosis.lawfree.look import SOUND
+from flexmodal.diagnosis.lawfree.result import Findings as LawFree
 from flexmodal.diagnosis.next_measurement.choose import next_among_fits
 from flexmodal.diagnosis.outcome import Gaps, NextMeasurement
 from flexmodal.diagnosis.search.close_fit import fitted_closely, fitted_to_everything
@@ -33,6 +34,7 @@ from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs, compare_models
 from flexmodal.diagnosis.selection.frf_starts import narrowest, starts
 from flexmodal.diagnosis.selection.frf_thresholds import (
+    EXPLAINED,
     FLOOR_REACHED,
     FORCE,
     FORCE_MARGIN,
@@ -44,7 +46,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     takes_enough,
 )
 from flexmodal.diagnosis.selection.in_its_stead import Refits
-from flexmodal.diagnosis.selection.set_up_anew import is_set_up, nearest, seen_anew, with_everything
+from flexmodal.diagnosis.selection.set_up_anew import seen_anew, with_everything
 from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
@@ -59,12 +61,14 @@ class FrfData(FrfsByLook):
     confidences = confidences
     plausible = plausible
 
-    def __init__(self, setup: Setup, modes: ModesBeside | None = None) -> None:
+    def __init__(self, setup: Setup, modes: ModesBeside | None = None, known: LawFree | None = None) -> None:
         """Re-tune the robot.
 
         Args:
             setup: what the diagnosis works with.
             modes: that were measured too; they count in every comparison.
+            known: the look beside the re-tuned robot as the test was thought to be set up before, if that
+                says enough.
         """
         self.setup, self.modes = setup, modes
         self.campaign, self.context, self.advance = setup.observations.campaign, setup.context, setup.advance
@@ -74,7 +78,7 @@ class FrfData(FrfsByLook):
         self._root = fitted_closely(setup, bare, zero)
         self.force = reaches(force_dependence(setup.observations), FORCE, FORCE_MARGIN)
         """Whether FRFs change with the force of the blow."""
-        self._candidates = FrfCandidates(setup, self._root, with_force=self.force > Answer.NO)
+        self._candidates = FrfCandidates(setup, self._root, with_force=self.force > Answer.NO, known=known)
         self._look = self._candidates.looks.one
         self._refits = Refits(setup)
 
@@ -138,21 +142,17 @@ class FrfData(FrfsByLook):
         found = self._candidates.at_places(before, number, look, self.is_close, only_met=True)
         return [before, *found]
 
-    def at_first(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
-        """See `Data`."""
-        if self.asked is not None or is_set_up(self.setup, before) or not self._candidates.can_look(before):
-            return []
-        look = self._candidates.look_beside(before)
-        found = self._candidates.by_narrow_laws(before, number, look) if look.needed else []
-        return [before, *nearest(self.setup, found)] if found else []
-
     def set_up_anew(self, models: Sequence[FittedFrfs]) -> tuple[FrfData, list[FittedFrfs]] | None:
         """See `Data`."""
         found = seen_anew(self.setup, models)
         if found is None:
             return None
         setup, (first, *others) = found
-        data = FrfData(setup, self.modes)
+        look = self._candidates.looks.one
+        near = min((over_noise(setup, one) for one in others), default=0.0)
+        data = FrfData(setup, self.modes, None if look.explains or near <= EXPLAINED else look)
+        if others:  # what may be in the first one's place
+            data._candidates.remember(sorted(others, key=lambda one: one.cost))
         return data, [first if first.hypothesis.placed else data.root, *others]
 
     def candidates(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:

@@ -20,6 +20,7 @@ from flexmodal.diagnosis.selection.frf_candidates import FrfCandidates
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
 from flexmodal.diagnosis.selection.frf_thresholds import LIKELY, NOT_FAR_BEHIND, REMEMBERED
 from flexmodal.diagnosis.selection.in_its_stead import Refits, also
+from flexmodal.diagnosis.selection.set_up_anew import TRIED, is_set_up, nearest
 from flexmodal.diagnosis.setup import Setup
 
 
@@ -59,6 +60,18 @@ class FrfsOffered(Data[FittedFrfs]):
         tried = sorted(new, key=lambda one: one.cost)[:REMEMBERED]
         fitted = parallel_map(partial(also, self.setup, model), tried)
         return [model, *(found for each in fitted for found in each)]
+
+    def at_first(self, before: FittedFrfs, number: int) -> list[FittedFrfs]:
+        """See `Data`; the few nearest, and some more where several effects are missing."""
+        if self.asked is not None or is_set_up(self.setup, before) or not self._candidates.can_look(before):
+            return []
+        look = self._candidates.look_beside(before)
+        found = self._candidates.by_narrow_laws(before, number, look) if look.needed else []
+        return [before, *nearest(self.setup, found, TRIED if look.explains else REMEMBERED)] if found else []
+
+    def lacks_several(self, model: FittedFrfs) -> bool:
+        """See `Data`."""
+        return not self.look_for(model).explains
 
     def instead(self, model: FittedFrfs, key: tuple[str, str], *, anyway: bool = False) -> list[FittedFrfs]:
         """See `Data`; what was far behind then stays there, and where nothing is left everything stays.

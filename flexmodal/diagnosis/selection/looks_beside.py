@@ -21,16 +21,19 @@ Law = tuple[object, str]
 class LooksBeside:
     """Looks beside a model; those beside the re-tuned robot stand apart."""
 
-    def __init__(self, setup: Setup, root: FittedFrfs, *, with_force: bool) -> None:
+    def __init__(
+        self, setup: Setup, root: FittedFrfs, *, with_force: bool, known: Findings | None = None
+    ) -> None:
         """Nothing is looked at yet.
 
         Args:
             setup: what the diagnosis works with.
             root: the robot re-tuned.
             with_force: whether FRFs change with the force of the blow, or may.
+            known: the look beside the re-tuned robot, if that is known.
         """
         self.setup, self.root, self.with_force = setup, root, with_force
-        self.looks = LooksWithoutLaw(setup, root, with_force, setup.advance)
+        self.looks = LooksWithoutLaw(setup, root, with_force, setup.advance, known=known)
         """Of the re-tuned robot."""
         self._beside: dict[frozenset[Law], Findings] = {}
         self._forced: dict[frozenset[Law], bool] = {}

@@ -73,6 +73,10 @@ class OfferedData(ABC, Generic[M]):
         """
         return []
 
+    def lacks_several(self, model: M) -> bool:
+        """Whether by a look beside a model no single place explains what is missing."""
+        return False
+
     def doubted(self, model: M) -> tuple[str, str] | None:
         """Of several effects one whose fit a look without a law speaks against, if there is one."""
         return None

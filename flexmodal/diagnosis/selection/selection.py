@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -140,10 +140,11 @@ class ForwardSelection(Steps[M]):
         if self.data.is_at_rest(self.current):
             return False
         many = len(self.current.hypothesis.keys)
-        self._set_up_anew(self.data.at_first(self.current, many) if many < MOST else [])
+        ready = self._set_up_at_first(many) if many < MOST else []
         before, present = self._state, self.current
-        models = self.data.pointed(self.current, many) if many < MOST else []
-        if len(models) < 2 or not (self._taken(models, 0) or self._tried_on()):
+        models = ready or (self.data.pointed(self.current, many) if many < MOST else [])
+        taken = self._taken_of if ready else self._taken
+        if len(models) < 2 or not (taken(models, 0) or self._tried_on()):
             wider = self._widened(self.current.hypothesis.keys)
             return wider or self._bettered(exchanged(self.data, self.current))
         while self._remembered():
@@ -158,6 +159,18 @@ class ForwardSelection(Steps[M]):
                 if not better:
                     self._state = further
         return True
+
+    def _set_up_at_first(self, many: int) -> Sequence[M]:
+        """See beside what does best how the test was set up; what may be added to the present as it is then.
+
+        Nothing where more is looked for: where it was seen no otherwise, one place may explain everything, or
+        none of them takes a good part.
+        """
+        models = self.data.at_first(self.current, many)
+        several = bool(models) and self.data.lacks_several(self.current)
+        found = self._set_up_anew(models)
+        able = several and found is not models
+        return found if able and any(takes(self.data, found[0], one, MUCH) for one in found[1:]) else []
 
     def _remembered(self) -> bool:
         """One effect more of those that were compared last, where it takes a good part beside the others."""

@@ -12,6 +12,7 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -20,6 +21,7 @@ from flexmodal.diagnosis.disagreement.gaps import over_noise
 from flexmodal.diagnosis.effects import Context
 from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.names import UNSTRUCTURED
+from flexmodal.diagnosis.parallel.parallel_map import parallel_map
 from flexmodal.diagnosis.search.close_fit import fitted_closely, tried_closely
 from flexmodal.diagnosis.search.unstructured import unstructured_mode
 from flexmodal.diagnosis.selection.frf_comparison import FittedFrfs
@@ -99,32 +101,32 @@ def seen_anew(setup: Setup, models: Sequence[FittedFrfs]) -> tuple[Setup, list[F
     if any(is_set_up(setup, one) for one in models):
         return None
     able = nearest(setup, models)
-    tried = [(one, again) for one in able for again in _beside(setup, one)]
+    beside = parallel_map(partial(_beside, setup), able)
+    tried = [(one, again) for one, found in zip(able, beside, strict=True) for again in found]
     scores = [over_seen(other, fitted) for _, (other, fitted) in tried]
     if min(scores, default=math.inf) > GAINS * over_seen(setup, able[0]):
         return None
     was, (best, nearer) = tried[int(np.argmin(scores))]
 
-    def again(one: FittedFrfs) -> list[FittedFrfs]:
-        return [nearer] if one is was else _moved_to(best, one)
-
     plain = [one for one in models if one.key[0] != UNSTRUCTURED]
-    first, *others = (again(one) for one in plain)
+    rest = parallel_map(partial(_moved_to, best), [one for one in plain if one is not was])
+    first, *others = ([nearer] if one is was else next(rest) for one in plain)
     if not first:
         return None
     modes = [unstructured_mode(best, first[0])] if len(plain) < len(models) else []
     return best, [*first, *(found for each in others for found in each), *modes]
 
 
-def nearest(setup: Setup, models: Sequence[FittedFrfs]) -> list[FittedFrfs]:
-    """Those few models beside which it is looked at how the test was set up, the nearest first.
+def nearest(setup: Setup, models: Sequence[FittedFrfs], number: int = TRIED) -> list[FittedFrfs]:
+    """A few models with effects or without, the nearest first.
 
     Args:
         setup: what the diagnosis works with.
         models: fitted to it.
+        number: of them; by default of those beside which it is looked at how the test was set up.
     """
     able = [one for one in models if one.key[0] != UNSTRUCTURED]
-    return sorted(able, key=lambda one: over_seen(setup, one))[:TRIED]
+    return sorted(able, key=lambda one: over_seen(setup, one))[:number]
 
 
 def with_everything(setup: Setup, models: Sequence[FittedFrfs]) -> tuple[Setup, list[FittedFrfs]]:

@@ -72,7 +72,10 @@ class Steps(Generic[M]):
         return fitted
 
     def _taken(self, models: Sequence[M], number: int) -> Step | None:
-        models = self._set_up_anew(models)
+        return self._taken_of(self._set_up_anew(models), number)
+
+    def _taken_of(self, models: Sequence[M], number: int) -> Step | None:
+        """One effect more of models that were fitted to the test as it is thought to be set up now."""
         comparison = self.data.compare(models)
         found = self._chosen(comparison, number)
         self.rounds.append(Round(comparison, found))
