@@ -27,6 +27,8 @@ TEMPERED = 3
 PLAUSIBLE = 3.0
 """Standard deviations by which the sum of squares of angles, each over its tolerance, may pass what it is
 expected to be."""
+HALVINGS = 60
+"""Times at most that the data count for half as much, for angles to be plausible: next to nothing then."""
 _MOST_LAG = 40
 
 
@@ -99,7 +101,7 @@ def step(
         linear = (every @ design).reshape(r.shape) / np.where(used, root, np.inf)
         temper, _ = _temper(r + linear, variance, used)
     told_of = np.diag(normal)[size:] > 0
-    while True:
+    for _ in range(HALVINGS):
         told = temper * normal + np.diag(precision), temper * gradient + back
         promising = _asked(*told, size)[size:] | (before != 0)
         change = _solved(*told, np.concatenate([np.ones(size, dtype=bool), promising & kept]))
