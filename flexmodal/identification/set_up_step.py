@@ -48,7 +48,7 @@ class Seen:
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class SetUpStep:
     """What a step comes to."""
 
     change: Float[np.ndarray, " nuisance"]
@@ -69,7 +69,7 @@ def step(
     kept: Bool[np.ndarray, " nuisance"],
     *,
     plausible: bool,
-) -> Step:
+) -> SetUpStep:
     """One step of Gauss and Newton's method.
 
     Args:
@@ -110,9 +110,9 @@ def step(
         temper /= 2
     errors = np.sqrt(np.diag(np.linalg.inv(told[0])))[size:]
     if not (promising & kept).any():
-        return Step(np.zeros_like(before), x, errors, over_noise)
+        return SetUpStep(np.zeros_like(before), x, errors, over_noise)
     low, high = model.space.bounds
-    return Step(change[size:], np.clip(x + change[:size], low, high), errors, over_noise)
+    return SetUpStep(change[size:], np.clip(x + change[:size], low, high), errors, over_noise)
 
 
 def _solved(normal: np.ndarray, gradient: np.ndarray, asked: np.ndarray) -> np.ndarray:
