@@ -75,10 +75,17 @@ def fitted(made):
     return setup, [fitted_closely(setup, one, np.zeros(len(one.space))) for one in every]
 
 
-def test_beside_the_effect_that_is_there_what_was_off_is_moved(fitted):
+@pytest.fixture(scope="module")
+def anew(fitted):
+    """These, and a mode without structure, where the test is thought to be set up beside them."""
+    setup, models = fitted
+    return seen_anew(setup, [*models, unstructured_mode(setup, models[0])])
+
+
+def test_beside_the_effect_that_is_there_what_was_off_is_moved(fitted, anew):
     """As far as it can be seen: some of it does what other errors do."""
     setup, models = fitted
-    now, again = seen_anew(setup, models)
+    now, (*again, _) = anew
     before, after = (
         [over_seen(one, model) for model in some] for one, some in ((setup, models), (now, again))
     )
@@ -92,10 +99,10 @@ def test_beside_the_effect_that_is_there_what_was_off_is_moved(fitted):
     assert again[1].hypothesis.context is now.context
 
 
-def test_what_is_held_out_moves_nothing_until_everything_counts(fitted):
+def test_what_is_held_out_moves_nothing_until_everything_counts(fitted, anew):
     """And then its angles are found too, by which the model comes to the noise there."""
-    setup, models = fitted
-    now, again = seen_anew(setup, models)
+    setup, _ = fitted
+    now, again = anew
     held = {now.observations.postures[int(k)].id for k in np.unique(now.observations.posture[now.held])}
     assert held
     assert not held & {one.nuisance.where for one in now.moved if one.nuisance.kind == "posture"}
@@ -112,10 +119,9 @@ def test_what_is_held_out_moves_nothing_until_everything_counts(fitted):
     assert left[1] < 0.7 * left[0]
 
 
-def test_in_the_end_all_models_are_seen_where_the_test_is_thought_to_be_set_up(fitted):
+def test_in_the_end_all_models_are_seen_where_the_test_is_thought_to_be_set_up(anew):
     """The card too, and the model that the others are better than."""
-    setup, models = fitted
-    now, (before, after, _) = seen_anew(setup, models)
+    now, (before, after, *_) = anew
     data = FrfData.__new__(FrfData)
     data.setup, data.advance, data.force = now, now.advance, Answer.NO
     conclusion = data.conclude(before, after, again=True)
@@ -157,6 +163,20 @@ def test_the_look_beside_the_robot_stays_where_more_than_one_effect_is_missing(
     assert other._candidates.considered(replace(beside, hypothesis=models[1].hypothesis), models[1].key) == [
         models[2]
     ]  # what may be in its place, where it is asked later how sure it is
+
+
+@pytest.mark.parametrize(("near", "asked"), [(5.0, 1), (4.6, 1), (4.4, 2)])
+def test_what_was_in_vain_is_not_asked_of_models_as_near(monkeypatch, fitted, near, asked):
+    """Beside the same ones, and others that are hardly nearer; it takes as long as their fits."""
+    setup, (bare, right, wrong) = fitted
+    data, tried = FrfData.__new__(FrfData), Mock(spec=seen_anew, return_value=None)
+    data.setup = setup
+    sizes = {bare: 9.0, right: 5.0, wrong: near}
+    monkeypatch.setattr(frf_data, "seen_anew", tried)
+    monkeypatch.setattr(set_up_anew, "over_seen", lambda setup, model: sizes[model])
+    assert data.set_up_anew([bare, right]) is None
+    assert data.set_up_anew([bare, wrong]) is None
+    assert tried.call_count == asked
 
 
 @pytest.mark.slow
@@ -205,10 +225,10 @@ def test_what_was_fitted_does_not_drown_in_the_tolerances_of_what_is_held_out(fi
     assert over_noise(loose, bare, ~held) == near
 
 
-def test_a_mode_without_structure_is_looked_for_again(fitted):
+def test_a_mode_without_structure_is_looked_for_again(fitted, anew):
     """On top of the first model as it is now."""
-    setup, models = fitted
-    now, again = seen_anew(setup, [*models, unstructured_mode(setup, models[0])])
+    _, models = fitted
+    now, again = anew
     assert [one.key for one in again] == [*(one.key for one in models), (UNSTRUCTURED, "")]
     assert over_seen(now, again[-1]) < over_seen(now, again[0])
 

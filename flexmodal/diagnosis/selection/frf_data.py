@@ -46,7 +46,7 @@ from flexmodal.diagnosis.selection.frf_thresholds import (
     takes_enough,
 )
 from flexmodal.diagnosis.selection.in_its_stead import Refits
-from flexmodal.diagnosis.selection.set_up_anew import seen_anew, with_everything
+from flexmodal.diagnosis.selection.set_up_anew import clearly_nearer, seen_anew, with_everything
 from flexmodal.diagnosis.selection.stand_in import stand_in, stands_in
 from flexmodal.diagnosis.setup import Setup
 from flexmodal.diagnosis.time_domain.model import has_law
@@ -143,9 +143,11 @@ class FrfData(FrfsByLook):
         return [before, *found]
 
     def set_up_anew(self, models: Sequence[FittedFrfs]) -> tuple[FrfData, list[FittedFrfs]] | None:
-        """See `Data`."""
-        found = seen_anew(self.setup, models)
-        if found is None:
+        """See `Data`; not where that was in vain beside models as near."""
+        if self._in_vain and not clearly_nearer(self.setup, models, self._in_vain):
+            return None
+        if (found := seen_anew(self.setup, models)) is None:
+            self._in_vain = models
             return None
         setup, (first, *others) = found
         look = self._candidates.looks.one

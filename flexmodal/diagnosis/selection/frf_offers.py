@@ -32,6 +32,8 @@ class FrfsOffered(Data[FittedFrfs]):
     _refits: Refits
     _far: frozenset[tuple[tuple[str, str], tuple[str, str]]] = frozenset()
     """Effects and others that were far behind in their stead."""
+    _in_vain: Sequence[FittedFrfs] = ()
+    """Models beside which the test was seen set up no otherwise."""
 
     @abstractmethod
     def look_for(self, before: FittedFrfs) -> LawFree:

@@ -129,6 +129,20 @@ def nearest(setup: Setup, models: Sequence[FittedFrfs], number: int = TRIED) -> 
     return sorted(able, key=lambda one: over_seen(setup, one))[:number]
 
 
+def clearly_nearer(setup: Setup, models: Sequence[FittedFrfs], others: Sequence[FittedFrfs]) -> bool:
+    """Whether the nearest of some models is nearer than that of others by what makes another set-up worth it.
+
+    Args:
+        setup: what the diagnosis works with.
+        models: fitted to it.
+        others: fitted to it too.
+    """
+    if setup.said is None:
+        return False
+    near, far = (over_seen(setup, nearest(setup, every, 1)[0]) for every in (models, others))
+    return near < GAINS * far
+
+
 def with_everything(setup: Setup, models: Sequence[FittedFrfs]) -> tuple[Setup, list[FittedFrfs]]:
     """The test as the last of some models sets it up, by what was held out too; the models as they were.
 
