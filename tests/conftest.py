@@ -20,6 +20,7 @@ import sys
 import tempfile
 import time
 import warnings
+import zlib
 from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any
@@ -55,6 +56,23 @@ def afresh() -> None:
         seen[0] = 0
     for function, checking in _sampled.items():
         function.__code__ = checking
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Of tests that are marked with `some(k)` one case in `k` runs in `make test`, the others in `make slow`.
+
+    Which ones follows from their names alone, as if by lot: neighbours differ in one thing only.
+    """
+    cases: dict[tuple[str, int], list[pytest.Item]] = {}
+    for item in items:
+        mark = item.get_closest_marker("some")
+        if mark is not None and item.get_closest_marker("slow") is None:
+            cases.setdefault((item.nodeid.partition("[")[0], mark.args[0]), []).append(item)
+    for (_, one_in), every in cases.items():
+        drawn = sorted(every, key=lambda item: zlib.crc32(item.name.encode()))
+        for item in drawn[-(-len(drawn) // one_in) :]:
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -97,6 +97,7 @@ def floor_and_gap(blows: int, trials: int, noise: float) -> tuple[float, float]:
     return float(np.mean(floors)), float(np.mean(gaps))
 
 
+@pytest.mark.some(3)
 # Standard error of the means about 1 % at 106 lines a record; 12 % leaves room for what the neighbours do not
 # say of a line. With 2 averages every seventh line reaches a coherence of 0.8 that its noise does not earn.
 @pytest.mark.parametrize("noise", [0.02, 0.1, 0.2])

@@ -50,6 +50,7 @@ OUTSIDE = {
 OUTSIDE_AVERAGED = {("mssp_plate_sweep", 6): 1}
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("case", REFINED, ids=lambda case: " ".join([case.folder, *case.options[:4]]))
 def test_real_measurements_as_other_programs_find_them(cli, case):
     """Frequencies within half a per cent of every reference, their dampings within the stated interval.

@@ -80,6 +80,7 @@ def test_several_postures_and_a_family(cli):
     assert family["postures"][0]["parameter"] == pytest.approx(np.pi / 4)
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("ending", [".csv", ".json", ".png", ".svg", ".html"])
 @pytest.mark.parametrize("kind", ["one", pytest.param("several", marks=pytest.mark.slow)])
 def test_files(cli, tmp_path, ending, kind):

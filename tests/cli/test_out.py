@@ -145,6 +145,7 @@ NAMES = [
 ]
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("name", NAMES)
 def test_odd_names_do_no_harm(cli, urdf, tmp_path, name):
     quoted = html.escape(name).replace("\n", "&#10;")

@@ -87,6 +87,7 @@ def test_the_closed_form_at_a_free_port_is_the_effect(seen, values):
     assert np.sqrt(np.mean(np.abs(whole) ** 2)) < 1e-6 < 1e-3 < np.sqrt(np.mean(np.abs(none) ** 2))
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize(
     "values", [SIMPLE, *(pytest.param(one, marks=pytest.mark.slow) for one in WIDER.values())],
     ids=["one way", *WIDER],
@@ -186,6 +187,7 @@ def test_a_port_that_turns_too_is_a_line_at_its_place(seen):
     assert np.sqrt(np.mean(np.abs(whole) ** 2)) < 2e-3 * np.sqrt(np.mean(np.abs(none) ** 2))
 
 
+@pytest.mark.some(2)
 def test_its_place_and_what_turns_are_told_by_such_a_port(seen):
     context, _ = seen
     where, frequency = context.links[-1], np.linspace(0.0, 118.0, 90)

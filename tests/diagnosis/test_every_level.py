@@ -28,6 +28,7 @@ def levels():
     return found
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("effect", levels())
 def test_its_answer_is_written(effect, context, observed, diagnosed, tmp_path):
     places = effect.places(context)

@@ -221,6 +221,7 @@ def test_a_link_seen_between_its_ends_twists_in_the_files_at_each_place_by_itsel
     )
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize(
     ("name", "robot"),
     [

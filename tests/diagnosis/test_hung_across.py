@@ -82,6 +82,7 @@ def test_its_inertia_and_stiffness_are_those_of_a_string_in_pieces(hung):
     np.testing.assert_allclose(made, expected, atol=1e-12 * np.abs(expected).max())
 
 
+@pytest.mark.some(2)
 def test_it_sets_out_from_what_a_port_across_the_joint_tells(hung):
     """As the function of the mean of its clips swings: 8/π² of its mass, at its frequency."""
     context, _, _, where, values = hung

@@ -268,6 +268,7 @@ def test_friction_grows_with_what_the_joint_carries():
     np.testing.assert_allclose(held, expected, rtol=1e-9)
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("wound", [0.0, WOUND, -WOUND, 5e-3])
 def test_the_stand_in_of_friction_by_load_loses_what_the_loop_does(wound):
     """Sliding from −A to A and back it loses 4 F A + 2 c (A² + u₀²), or 4 (F + c |u₀|) A under more load."""
@@ -477,6 +478,7 @@ LAWS = {
 }
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("name", LAWS)
 def test_march_follows_an_adaptive_integrator(name):
     one = struck(Axis(np.arange(2, 81) / 2.0, 15.0), *LAWS[name])
@@ -504,6 +506,7 @@ def test_stiff_friction_stays_bounded_at_a_coarse_step():
     assert np.all(np.isfinite(last))
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("name", LAWS)
 def test_compiled_and_plain_loops_agree(name):
     pytest.importorskip("numba")

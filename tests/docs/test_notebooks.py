@@ -7,7 +7,7 @@ import nbformat
 import pytest
 
 NOTEBOOKS = sorted((Path(__file__).resolve().parents[2] / "docs" / "notebooks").glob("*.ipynb"))
-SLOW = {"lobes", "modes"}
+SLOW = {"identify", "lobes", "modes"}
 """Notebooks that `make slow` runs."""
 
 

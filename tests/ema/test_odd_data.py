@@ -38,6 +38,7 @@ def odd_values(seed: int) -> np.ndarray:
     return kinds[seed % len(kinds)]
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("method", ["peaks", "circle", "least-squares", "lscf"])
 @pytest.mark.parametrize(
     "seed", [0, 2, 3, 4, 5, 6, 8, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 7))]

@@ -45,6 +45,7 @@ def silent(found: EstimatedModes, height: float = 10.0) -> list[float]:
     ]
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("method", ["least-squares", "lscf", "peaks", "circle"])
 @pytest.mark.parametrize(
     ("folder", "band"),

@@ -66,6 +66,7 @@ def test_zero_order_against_the_printed_recipe(two_modes):
     np.testing.assert_allclose(found.depth, printed_lobes(cut, tip, speeds), rtol=1e-5)
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("axes", ["x", "xy"])
 @pytest.mark.parametrize("method", METHODS)
 def test_four_teeth_in_a_slot_leave_nothing_to_average(benchmark, method, axes):
@@ -124,6 +125,7 @@ INTERRUPTED = {
 }
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("name", INTERRUPTED)
 def test_two_routes_to_the_interrupted_cut(benchmark, name):
     """Semi-discretisation in time and Nyquist's criterion with harmonics: nothing in common but the model."""

@@ -24,6 +24,7 @@ CASES = {
 }
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("name", CASES)
 def test_growth_is_the_largest_multiplier(benchmark, name):
     settings, speed, depth = CASES[name]

@@ -40,6 +40,7 @@ def system(exponents, ratio, seed):
 RANGES = [(18, 18, 2), (18, 2), (2, 18), (12, 0), (12, 8, 4, 0), (3, 4, 15, 16), (18, 14, 10, 6, 2)]
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("ratio", [0.0, 1e-3, 0.05])
 @pytest.mark.parametrize("exponents", RANGES, ids=str)
 def test_every_mode_has_its_own_digits(exponents, ratio):

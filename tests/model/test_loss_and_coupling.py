@@ -56,7 +56,9 @@ def test_receptance_on_paper():
     assert np.all(np.abs(np.log(value / plain)) > 1e-3)
 
 
-@pytest.mark.parametrize("given", [{}, {"coupling": 0.0}, {"loss": 0.0}])
+@pytest.mark.parametrize(
+    "given", [{}, {"coupling": 0.0}, pytest.param({"loss": 0.0}, marks=pytest.mark.slow)]
+)
 @pytest.mark.parametrize("way", ["auto", "LAPACK", "numpy", "compiled", "compiled any n"])
 def test_batches_agree_with_one_by_one(given, way):
     own = robot(**given)

@@ -143,6 +143,7 @@ def test_the_gradient_of_every_objective_is_tested(arm):
     assert held == {"full", "position"}
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("objective", OBJECTIVES)
 @pytest.mark.parametrize(
     "name", ["six_link", *(pytest.param(name, marks=pytest.mark.slow) for name in ("fanuc_s360", "ur5"))]

@@ -48,6 +48,7 @@ CASES = {
 SLOW = "limits, no hold", "limits, static", "worst, static", "ur5, stiffness", "xarm7", "xarm7, worst"
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize(
     "case", [pytest.param(case, marks=[pytest.mark.slow] if case in SLOW else []) for case in CASES]
 )

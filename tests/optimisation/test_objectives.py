@@ -50,6 +50,7 @@ OBJECTIVES = {
 }
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("objective", OBJECTIVES)
 @pytest.mark.parametrize("name", ["six_link", "fanuc_s360", "ur5"])
 def test_gradient(robots, name, objective):

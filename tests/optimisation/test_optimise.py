@@ -95,6 +95,7 @@ MEASURES = {
 }
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("limits", [WIDE, (-1.3, 1.6)], ids=["wide", "tight"])
 @pytest.mark.parametrize("measure", MEASURES)
 def test_the_optimum_is_that_of_a_scan(tmp_path, measure, limits):

@@ -51,6 +51,7 @@ def test_jacobian_of_the_error(request, case):
         np.testing.assert_allclose(jacobian, expected, atol=1e-8)
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("case", HOLDS)
 def test_retraction_turns_the_tool_as_asked(request, case):
     name, turned = HOLDS[case]

@@ -82,6 +82,7 @@ def random_posture(robot, seed):
 PAIRS = [("+z", "+z"), ("+x", "+x"), ("+z", "+x")]
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("name", ["fanuc_s360", "six_link", "ur5"])
@@ -254,6 +255,7 @@ def test_zero_hertz_is_an_end(fanuc):
     )
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("name", ["lossy", "always_lossy"])

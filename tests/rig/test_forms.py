@@ -113,6 +113,7 @@ def test_a_form_is_put_in_and_named_in_the_truth_alone(key, arms, plain, tmp_pat
     assert len(list((tmp_path / "test").rglob("*"))) == len(list(plain.rglob("*")))
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("key", ONE_EACH.values())
 def test_a_form_is_the_same_however_it_is_written_and_each_time(key, arms):
     name, form = key.split(":")
@@ -135,6 +136,7 @@ def test_an_unknown_form_is_named_with_those_there_are(arms):
         simulate(arms["fanuc_s360"].robot, **SMALL, hide=["link_flexibility:rubber"])
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("key", OTHERS)
 @pytest.mark.parametrize("arm", ["fanuc_s360", "six_axis"])
 def test_the_highest_severity_of_a_form_is_allowed(key, arm, arms):
@@ -154,6 +156,7 @@ def small_floor(arms):
     return noise_floor(arms["fanuc_s360"], Conduct(noise=0.02))
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("key", [key for key in OTHERS if key not in WHOLE])
 def test_a_form_of_no_severity_is_as_good_as_nothing(key, arms, small_floor):
     stand = arms["fanuc_s360"]
@@ -165,6 +168,7 @@ def test_a_form_of_no_severity_is_as_good_as_nothing(key, arms, small_floor):
     assert height(stand, [(effect, replace(site, parameters=scaled))], small_floor) < 0.05
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("key", [key for key in OTHERS if find(*key.split(":")).sense is None])
 @pytest.mark.parametrize("arm", ["fanuc_s360", "six_axis"])
 def test_a_form_dies_down_and_gives_no_work(key, arm, arms):
@@ -185,6 +189,7 @@ def test_a_form_dies_down_and_gives_no_work(key, arm, arms):
         assert power.min() > -1e-9 * np.abs(mobility).max()
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 5), marks=pytest.mark.slow)], ids=str)
 @pytest.mark.parametrize("key", IN_JOINTS)
 def test_torques_of_a_joint_never_give_more_work_than_they_took(key, seeds, arms):

@@ -207,6 +207,7 @@ LAWS = {
 }  # fmt: skip
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("name", [None, *LAWS])
 def test_another_integrator_agrees(name, stand, hidden):
     robot = flexmodal.load("fanuc_s360")
@@ -269,6 +270,7 @@ FORMS = {
 A slider's corner is too sharp for scipy, and has a closed form in its own test."""
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.slow] if k % 2 else []) for k, name in enumerate(FORMS)]
 )

@@ -45,6 +45,7 @@ def clean(fanuc, ur5):
     return {name: simulate(arm, **SMALL, seed=4) for name, arm in (("fanuc", fanuc), ("ur5", ur5))}
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("effect", EFFECTS)
 @pytest.mark.parametrize("which", ["fanuc", pytest.param("ur5", marks=pytest.mark.slow)])
 def test_every_effect_on_a_planar_and_a_spatial_arm(effect, which, clean, request):
@@ -164,6 +165,7 @@ def test_severity_stops_where_it_makes_no_sense(fanuc):
     assert reached < 1000
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("effect", EFFECTS)
 def test_the_highest_severity_is_allowed(effect, fanuc, ur5):
     """Whatever is drawn, the search may end at its limit; rounding must not carry it over."""

@@ -90,6 +90,7 @@ TOGETHER = {
 CASES = {kind.name: [(kind, where)] for kind, where in PLACES} | TOGETHER
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("places", CASES.values(), ids=CASES)
 def test_derivatives_are_those_of_the_residuals(root, observed, places):
     ports = [port_of(root, kind, where) for kind, where in places]

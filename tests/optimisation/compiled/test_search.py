@@ -114,6 +114,7 @@ def test_one_compilation_serves_every_problem(case, arm):
     assert works[0] == works[1]
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("case", [name for name in CASES if "limits" not in name], indirect=True)
 def test_the_same_descent(case):
     """The first steps agree but for rounding, which grows on the way, and decides what is at a limit."""
@@ -126,6 +127,7 @@ def test_the_same_descent(case):
         assert case.cost_and_gradient(values)[0] == pytest.approx(cost, abs=1e-11)
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("case", CASES, indirect=True)
 def test_every_end_is_a_local_optimum(case):
     found = search_postures(case, random_starts(case, 24, np.random.default_rng(4)), way="compiled")
