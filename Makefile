@@ -23,8 +23,8 @@
 
 PYTHON ?= python3.11
 BIN := .venv/bin
-# one more than there are processors: tests that start commands and browsers wait for them
-WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 1)))
+# two more than there are processors: tests that start commands and browsers wait for them
+WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 2)))
 # Bytecode is made as modules are first imported, by every processor there is; pip would make all of it with one.
 PIP := $(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt
 export PYTHONDONTWRITEBYTECODE =
@@ -56,9 +56,10 @@ browser:
 	    DEBIAN_FRONTEND=noninteractive $$S apt-get install -y -qq chromium fonts-dejavu-core >/dev/null; } || \
 	  { echo "please install chromium; its tests need it"; exit 1; }; }
 
-# A module's tests stay together, so that what they share is made once.
+# A module's tests stay together, so that what they share is made once. Modules in their order, not the largest first:
+# those with few tests take longest, and the descents of later rooms are compiled while the first rooms are tested.
 test: .venv/tested browser
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope -q
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope --no-loadscope-reorder -q
 
 slow: .venv/tested browser
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadscope -q -m slow

@@ -67,9 +67,8 @@ def main(meanwhile: str) -> None:
     worth.IMPORT = worth.LOAD = 0.0
     worth._stored = worth._stored_at_first = Known()
     try:
-        tested = of_the_rig()
+        of_a_diagnosis(of_the_rig())
         descents()
-        of_a_diagnosis(tested)
     finally:
         os.unlink(meanwhile)
 
