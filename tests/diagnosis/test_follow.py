@@ -233,6 +233,20 @@ def test_what_takes_a_good_part_as_the_test_is_set_up_then_is_added_at_once(seve
     assert len(selection.data.looked) == looked
 
 
+class TooLate(World):
+    """Time is up whenever it is looked for how the test was set up."""
+
+    def set_up_anew(self, models):
+        raise OutOfTime
+
+
+def test_what_was_fitted_is_compared_though_time_is_up_while_the_set_up_is_looked_for():
+    left = {frozenset(): 100.0, frozenset({MASS}): NOISE / 2}
+    selection = Selection(TooLate(lambda keys: left.get(keys, 150.0)))
+    assert selection.follow()
+    assert steps(selection) == [MASS]
+
+
 class Stuck(World):
     """With the narrow law of one effect nothing takes anything; with a wider one a mass takes the rest."""
 

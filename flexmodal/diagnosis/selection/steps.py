@@ -20,7 +20,7 @@ from flexmodal.diagnosis.selection.decision import (
     rivals,
 )
 from flexmodal.diagnosis.selection.in_turn import linear_first
-from flexmodal.diagnosis.time_limit import TimeLimit
+from flexmodal.diagnosis.time_limit import TimeLimit, cut_short
 
 
 class Steps(Generic[M]):
@@ -60,9 +60,12 @@ class Steps(Generic[M]):
     def _set_up_anew(self, models: Sequence[M]) -> Sequence[M]:
         """Models as they are once it is seen beside them how the test was set up; the first is the present.
 
-        What was compared before was compared as the test was set up by then.
+        What was compared before was compared as the test was set up by then. If time is up meanwhile, that is
+        how it stays: what was fitted to it is not lost.
         """
-        found = self.data.set_up_anew(models) if models else None
+        found = None
+        with cut_short(len(models) > 1):
+            found = self.data.set_up_anew(models) if models else None
         if found is None:
             return models
         self.data, fitted = found
