@@ -183,14 +183,22 @@ def test_what_is_far_behind_is_not_fitted_further(context):
 
 @pytest.mark.parametrize(
     ("several", "over", "rest", "swept"),
-    [(False, 3.0, 1.0, True), (False, 1.9, 1.0, False), (True, 3.0, 0.9, True), (True, 3.0, 0.5, False)],
+    [
+        (False, 3.0, 1.0, True),
+        (False, 3.0, 0.5, None),
+        (False, 1.9, 1.0, False),
+        (True, 3.0, 0.9, True),
+        (True, 3.0, 0.5, False),
+    ],
 )
 @pytest.mark.parametrize("explains", [False, True])
 def test_every_law_is_tried_where_none_takes_a_good_part(monkeypatch, several, over, rest, swept, explains):
     """Beside the robot alone where something is left at all; from the card there, and else from what is.
 
-    Beside effects all starts are followed only where one place explains everything.
+    There where one place explains everything whatever takes a good part, too. Beside effects all starts are
+    followed only where one place explains everything.
     """
+    swept = explains if swept is None else swept
     found = [Mock(spec=FittedFrfs, key=("added_mass", "a"), cost=3.0, over=over) for _ in range(2)]
     right = Mock(spec=FittedFrfs, key=("joint_coupling", WHERE), cost=0.1, over=1.0)
     asked, started = [], []

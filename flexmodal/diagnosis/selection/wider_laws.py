@@ -39,8 +39,9 @@ class WiderLaws(SearchesBeside):
     ) -> list[FittedFrfs]:
         """With wider laws wherever they do far better than narrow ones, where none takes a good part.
 
-        Beside the re-tuned robot where none explains what is missing. Beside effects a narrow law may take
-        nothing where a wide one takes most, of a foundation on bolts or of a rod.
+        Beside the re-tuned robot where none explains what is missing, or takes a good part where that is more
+        than one place. Beside effects a narrow law may take nothing where a wide one takes most, of a
+        foundation on bolts or of a rod.
 
         Args:
             before: the model that something is added to.
@@ -48,7 +49,8 @@ class WiderLaws(SearchesBeside):
             look: beside it.
         """
         several = before.hypothesis.placed
-        if several and any(left(self.setup, before, one) < 1 - ANOTHER for one in found):
+        lacks_several = several or not look.explains
+        if lacks_several and any(left(self.setup, before, one) < 1 - ANOTHER for one in found):
             return found
         if not several and any(over_noise(self.setup, one) <= EXPLAINED for one in found):
             return found
