@@ -193,6 +193,8 @@ class Diagnosis:
     """Measured modes beside those of the models; None where FRFs alone were measured."""
     modal: Findings | None = None
     """What a diagnosis from modes alone knows besides; None of one from FRFs."""
+    over_noise: float | None = None
+    """Distance of the final model from the averages over that of their noise; None where there is no such."""
 
     @property
     def observations(self) -> Observations:

@@ -78,6 +78,7 @@ def diagnosis_of(
         provenance=provenance(data.campaign, data.context.robot, seed),
         modes=data.modes_seen(selection.root, last, found) if modal is None else modal.modes,
         modal=modal,
+        over_noise=found.over_noise,
         look=data.look,
         warnings=(*warnings, *far_words(shown.get("moved", ())), *_beyond(found)),
         **_with_steps(selection, shown),

@@ -12,6 +12,7 @@ from flexmodal.diagnosis.hypothesis import Hypothesis
 from flexmodal.diagnosis.outcome import Compared, Diagnosis, Gaps, NextMeasurement, Region, Step, Verdict
 from flexmodal.diagnosis.placed import Placed
 from flexmodal.identification import fit, gap, observe, predict, uncertainty, unlimited
+from flexmodal.identification.gap import over_noise
 from flexmodal.rig import Hide, simulate
 from flexmodal.structure import robot_space
 
@@ -115,6 +116,7 @@ def diagnosis_of(
         deviation=uncertainty(hypothesis.space, made.normal, observations).deviation,
         frfs=observations,
         predicted=stages,
+        over_noise=over_noise(observations, stages["after"]),
         provenance=more.pop("provenance", {"flexmodal": "0.1.0", "seed": "1"}),
     )
 

@@ -55,6 +55,12 @@ def page(diagnosed):
     return Page(report_text(diagnosed, ("the joint turns",)))
 
 
+def test_what_the_model_leaves_is_what_the_verdict_goes_by(diagnosed):
+    """Where a test was not set up exactly that is not one sum over all lines."""
+    page = Page(report_text(replace(diagnosed, over_noise=7.4), ()))
+    assert "the model leaves 7.4 × the noise" in page.text
+
+
 def test_verdict_comes_first(page, diagnosed):
     text = page.text
     assert text.index("Missing: link flexibility (link_2)") < text.index("Where they disagree")

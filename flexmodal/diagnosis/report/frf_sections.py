@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 from flexmodal.diagnosis.findings import ModesSeen
@@ -15,7 +16,6 @@ from flexmodal.diagnosis.report.modal_tables import SUMMARY, mode_table, summary
 from flexmodal.diagnosis.report.pictures import draw_descent, draw_map, draw_pair, telling_rows
 from flexmodal.diagnosis.report.tables import comparison_table, refused, regions, remaining
 from flexmodal.diagnosis.report.words import effect_words, held_out, pair, placed, posture_name
-from flexmodal.identification.gap import over_noise
 from flexmodal.identification.page import BESIDE, BESIDE_NOTE, baseline_cells
 from flexmodal.report import (
     Gallery,
@@ -100,7 +100,7 @@ def frf_figures(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
     ]
     if diagnosis.model.placed:
         found.append((_after(diagnosis), size(gaps.after), held_out(gaps.held_out_after)))
-    leaves = times_noise(over_noise(diagnosis.observations, diagnosis.predicted["after"]))
+    leaves = times_noise(math.nan if diagnosis.over_noise is None else diagnosis.over_noise)
     return [*found, ("noise floor", size(gaps.noise_floor), f"the model leaves {leaves}")]
 
 
