@@ -23,9 +23,9 @@
 
 PYTHON ?= python3.11
 BIN := .venv/bin
-# two more than there are processors: tests that start commands and browsers wait for them
-WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 2)))
-# Bytecode is made as modules are first imported, by every processor there is; pip would make all of it with one.
+# one more than there are processors: tests that start commands and browsers wait for them
+WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 1)))
+# Bytecode is made as modules are first imported; pip would make all of it.
 PIP := $(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt
 export PYTHONDONTWRITEBYTECODE =
 .DEFAULT_GOAL := help
@@ -45,6 +45,11 @@ help:
 	$(PIP) --group dev
 	@touch $@
 
+# Bytecode of all that the tests import, made once: their processes import the same side by side.
+.venv/collected: .venv/tested
+	$(BIN)/pytest --collect-only -q >/dev/null
+	@touch $@
+
 demo: .venv/installed
 	$(BIN)/flexmodal demo --out demo --force
 
@@ -56,9 +61,9 @@ browser:
 	    DEBIAN_FRONTEND=noninteractive $$S apt-get install -y -qq chromium fonts-dejavu-core >/dev/null; } || \
 	  { echo "please install chromium; its tests need it"; exit 1; }; }
 
-# A module's tests stay together, so that what they share is made once. Modules in their order, not the largest first:
-# those with few tests take longest, and the descents of later rooms are compiled while the first rooms are tested.
-test: .venv/tested browser
+# A module's tests stay together, so that what they share is made once. tests/conftest.py says in which order modules
+# come; those with most tests first, as is usual, would leave those that take longest to the end.
+test: .venv/collected browser
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope --no-loadscope-reorder -q
 
 slow: .venv/tested browser

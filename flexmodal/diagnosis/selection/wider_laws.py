@@ -39,9 +39,9 @@ class WiderLaws(SearchesBeside):
     ) -> list[FittedFrfs]:
         """With wider laws wherever they do far better than narrow ones, where none takes a good part.
 
-        Beside the re-tuned robot where none explains what is missing, or takes a good part where that is more
-        than one place. Beside effects a narrow law may take nothing where a wide one takes most, of a
-        foundation on bolts or of a rod.
+        Beside the re-tuned robot where none explains what is missing; where no single place would, only if
+        none takes a good part, as beside effects. There a narrow law may take nothing where a wide one takes
+        most, of a foundation on bolts or of a rod.
 
         Args:
             before: the model that something is added to.
