@@ -25,7 +25,7 @@ PYTHON ?= python3.11
 BIN := .venv/bin
 # one more than there are processors: tests that start commands and browsers wait for them
 WORKERS := $(shell echo $$(($$(getconf _NPROCESSORS_ONLN) + 1)))
-# Bytecode is made as modules are first imported; pip would make all of it.
+# Bytecode is made as modules are first imported, by every processor there is; pip would make all of it with one.
 PIP := $(BIN)/python -m pip install --quiet --no-compile --constraint constraints.txt
 export PYTHONDONTWRITEBYTECODE =
 .DEFAULT_GOAL := help
@@ -45,11 +45,6 @@ help:
 	$(PIP) --group dev
 	@touch $@
 
-# Bytecode of all that the tests import, made once: their processes import the same side by side.
-.venv/collected: .venv/tested
-	$(BIN)/pytest --collect-only -q >/dev/null
-	@touch $@
-
 demo: .venv/installed
 	$(BIN)/flexmodal demo --out demo --force
 
@@ -61,10 +56,9 @@ browser:
 	    DEBIAN_FRONTEND=noninteractive $$S apt-get install -y -qq chromium fonts-dejavu-core >/dev/null; } || \
 	  { echo "please install chromium; its tests need it"; exit 1; }; }
 
-# A module's tests stay together, so that what they share is made once. tests/conftest.py says in which order modules
-# come; those with most tests first, as is usual, would leave those that take longest to the end.
-test: .venv/collected browser
-	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope --no-loadscope-reorder -q
+# A module's tests stay together, so that what they share is made once.
+test: .venv/tested browser
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n $(WORKERS) --dist loadscope -q
 
 slow: .venv/tested browser
 	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto --dist loadscope -q -m slow

@@ -32,9 +32,6 @@ from beartype import BeartypeConf, beartype
 FIRST = 3
 """Calls of a function that are checked in every module of tests."""
 
-LONGEST = ("cli/test_demo.py", "cli/test_diagnose.py", "diagnosis/test_workflow.py", "browser/test_report.py")
-"""Modules that take longest."""
-
 _compiling = pytest.StashKey[subprocess.Popen]()
 _MEANWHILE = "FLEXMODAL_TESTS_COMPILING"
 """Variable with the name of a file that is there as long as another process compiles."""
@@ -62,24 +59,7 @@ def afresh() -> None:
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Choose some of many cases, and an order of the modules."""
-    draw(items)
-    if hasattr(config, "workerinput"):
-        items.sort(key=lambda item: order(item.path))
-
-
-def order(path: Path) -> tuple[bool, int]:
-    """Where a module of tests stands among them, where several processes share them.
-
-    Those that take longest come first, so that no process is alone with one in the end. The others as if by
-    lot: neighbours need the same compiled functions, and each process would compile them.
-    """
-    short = f"{path.parent.name}/{path.name}"
-    return short not in LONGEST, zlib.crc32(short.encode())
-
-
-def draw(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Of tests that are marked with `some(k)` one case in `k` runs in `make test`, the others in `make slow`.
 
     Which ones follows from their names alone, as if by lot: neighbours differ in one thing only.
